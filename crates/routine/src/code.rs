@@ -64,6 +64,21 @@ pub(crate) struct Referenced {
     pub(crate) sizes: Option<Sizes>,
 }
 
+impl Referenced {
+    /// The operand of a parameter whose data nothing reads.
+    pub(crate) fn nothing() -> Self {
+        Referenced {
+            place: Place {
+                base: 0,
+                at: 0,
+                index: Box::default(),
+            },
+            bit: None,
+            sizes: Some(Sizes::default()),
+        }
+    }
+}
+
 /// The sizes of the operand of a parameter by reference. An array may be longer than the definition says.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sizes {

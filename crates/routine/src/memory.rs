@@ -6,7 +6,7 @@ use arcline_tag::{DataType, Elementary, Member, TagType, Template, TemplateBuild
 
 use crate::Expression;
 use crate::error::{Finding, FindingKind};
-use crate::source::{Access, Datum, InstructionSource, Project, TagSource, Usage};
+use crate::source::{Access, Datum, InstructionSource, Project, TagSource, Usage, is_module};
 use crate::types::{Types, text_layout};
 
 /// A tag and its place in the memory.
@@ -105,6 +105,9 @@ impl Tags {
     ) -> Option<Symbol> {
         if let Some(alias) = &source.alias {
             return Some(Symbol::Alias(alias.clone()));
+        }
+        if is_module(&source.data_type) {
+            return None;
         }
         let of_machine = program.is_none().then(|| object(&source.name)).flatten();
         let found = of_machine.or_else(|| types.tag_type(&source.data_type, &source.dimensions));

@@ -168,6 +168,11 @@ impl TagSource {
     }
 }
 
+/// Whether a type is that of modules, whose tags and parameters have a name but no data.
+pub(crate) fn is_module(data_type: &str) -> bool {
+    data_type.eq_ignore_ascii_case("MODULE")
+}
+
 /// The access of clients to a tag (`ExternalAccess`, `Constant`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Access {

@@ -1,13 +1,13 @@
 //! Add-on instructions (spec/programs.md §13): compiled once, called with the instance and references as bases.
 
-use arcline_tag::DataType;
+use arcline_tag::{DataType, Elementary};
 
 use super::operand::parse;
 use super::reference::Found;
 use super::{Compiler, Owner, Wrong};
 use crate::code::{AddOn, AddOnCall, Argument, Cellular, Copy, Ex, Place, Referenced, Select, Sizes};
-use crate::expression::Expression;
-use crate::source::{MemberSource, Usage};
+use crate::expression::{Expression, TagReference};
+use crate::source::{MemberSource, Usage, is_module};
 
 impl Compiler<'_> {
     pub(crate) fn add_on(&mut self, number: usize) -> AddOn {
@@ -70,7 +70,9 @@ impl Compiler<'_> {
         for (parameter, text) in required.into_iter().zip(rest) {
             let wrong = |reason: Wrong| format!("{} {text}: {reason}", parameter.member.name);
             if parameter.usage == Usage::InOut {
-                references.push(self.referenced(&parameter.member, text).map_err(wrong)?);
+                let (reference, literal) = self.referenced(&parameter.member, text).map_err(wrong)?;
+                references.push(reference);
+                inputs.extend(literal);
                 continue;
             }
             let Some(member) = template.member(&parameter.member.name) else {
@@ -94,6 +96,8 @@ impl Compiler<'_> {
                 continue;
             }
             match parameter.usage {
+                // The operand of an output that nothing takes.
+                Usage::Output if parse(text)? == Expression::Integer(0) => {}
                 Usage::Input => {
                     let from = self.value(&parse(text)?).map_err(wrong)?;
                     inputs.push(Copy { from, to: inner });
@@ -119,12 +123,72 @@ impl Compiler<'_> {
         }))
     }
 
-    /// The place that a call gives for a parameter by reference.
-    fn referenced(&mut self, parameter: &MemberSource, text: &str) -> Result<Referenced, Wrong> {
-        let Expression::Reference(reference) = parse(text)? else {
-            return Err("expected a tag".to_owned());
+    /// The place that a call gives for a parameter by reference, and the value that stands there before each call when it is a literal.
+    fn referenced(&mut self, parameter: &MemberSource, text: &str) -> Result<(Referenced, Option<Copy>), Wrong> {
+        let reference = match parse(text)? {
+            Expression::Reference(reference) => reference,
+            literal => return self.literal(parameter, &literal),
         };
-        let found = self.resolve(&reference)?;
+        if is_module(&parameter.data_type) {
+            return match self.names_module(&reference) {
+                true => Ok((Referenced::nothing(), None)),
+                false => Err("is no module".to_owned()),
+            };
+        }
+        self.referenced_tag(parameter, &reference).map(|one| (one, None))
+    }
+
+    /// A literal for a number or BOOL by reference has a place of its own, which no tag names.
+    fn literal(&mut self, parameter: &MemberSource, literal: &Expression) -> Result<(Referenced, Option<Copy>), Wrong> {
+        let kind = match self.types.data_type(&parameter.data_type) {
+            Some(DataType::Elementary(kind)) if parameter.dimensions.is_empty() => kind,
+            _ => return Err("expected a tag".to_owned()),
+        };
+        let from = match self.value(literal)? {
+            from @ (Argument::Integer(Ex::Integer(_)) | Argument::Real(Ex::Real(_))) => from,
+            _ => return Err("expected a tag".to_owned()),
+        };
+        let at = self.tags.bytes.len().next_multiple_of(8);
+        self.tags.bytes.resize(at + 8, 0);
+        let place = Place {
+            base: 0,
+            at: at as u32,
+            index: Box::default(),
+        };
+        let reference = Referenced {
+            place: place.clone(),
+            bit: (kind == Elementary::Bool).then_some(Select::Mask(1)),
+            sizes: Some(Sizes {
+                bytes: kind.size() as u32,
+                ..Sizes::default()
+            }),
+        };
+        let to = Argument::Target(Cellular { place, kind });
+        Ok((reference, Some(Copy { from, to })))
+    }
+
+    /// Whether a name is that of a module, of a parameter by reference that is one, or of a tag of their type.
+    fn names_module(&self, reference: &TagReference) -> bool {
+        let (project, name) = (self.project, &reference.name);
+        if !reference.steps.is_empty() {
+            return false;
+        }
+        let tags = match self.owner {
+            Owner::AddOn(number) => {
+                let parameters = project.instructions.get(number).map(|one| one.parameters.as_slice());
+                let mut parameters = parameters.unwrap_or_default().iter();
+                return parameters
+                    .any(|one| one.member.name.eq_ignore_ascii_case(name) && is_module(&one.member.data_type));
+            }
+            Owner::Program(number) => project.programs.get(number).map(|one| one.tags.as_slice()),
+        };
+        let mut tags = tags.unwrap_or_default().iter().chain(&project.tags);
+        project.modules.iter().any(|one| one.eq_ignore_ascii_case(name))
+            || tags.any(|one| one.name.eq_ignore_ascii_case(name) && is_module(&one.data_type))
+    }
+
+    fn referenced_tag(&mut self, parameter: &MemberSource, reference: &TagReference) -> Result<Referenced, Wrong> {
+        let found = self.resolve(reference)?;
         let place = found.place();
         if parameter.data_type.eq_ignore_ascii_case("BOOL") && parameter.dimensions.is_empty() {
             let bit = found

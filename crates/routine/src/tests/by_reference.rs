@@ -146,3 +146,69 @@ fn operands_of_another_size_are_refused() {
         assert_eq!(told, Vec::from_iter(expected), "{operand}");
     }
 }
+
+#[test]
+fn literals_stand_for_operands_that_nothing_takes() {
+    let of = |call: &str| {
+        let mut of = project("S Do, A DINT, B BOOL, R REAL", &[("Main", call)]);
+        let parameters = vec![
+            parameter("Out", "DINT", Usage::Output, None),
+            parameter("Flag", "BOOL", Usage::InOut, None),
+            parameter("Sum", "DINT", Usage::InOut, None),
+            parameter("Gain", "REAL", Usage::InOut, None),
+        ];
+        let logic = "XIO(Flag)MOV(3,Out);\nADD(Sum,1,Sum)ADD(Out,Sum,Out);\nMUL(Gain,Sum,Gain);\nOTL(Flag);";
+        of.instructions
+            .push(add_on("Do", parameters, vec![routine("Logic", logic)]));
+        of
+    };
+    #[rustfmt::skip]
+    let cases = [
+        // Each call finds the literal, whatever the last one made of it.
+        ("Do(S,0,0,5,0);",   ":S.Out=9;A=0\n:S.Out=9"),
+        ("Do(S,A,B,0,1.5);", ":A=4;B=1;S.Out=4\n:S.Out=5"),
+        ("Do(S,0,1,0,R);",   ":S.Out=1;A=0\n:S.Out=2"),
+    ];
+    for (call, lines) in cases {
+        script(call, &of(call), lines);
+    }
+    #[rustfmt::skip]
+    let refused = [
+        ("Do(S,1,0,0,0)",   "Out 1: expected a tag that can be written"),
+        ("Do(S,0,0,A+1,0)", "Sum A+1: expected a tag"),
+    ];
+    for (call, expected) in refused {
+        let told = load(&of(&format!("{call};")), &mut NoMachine).findings;
+        let told: Vec<String> = told.iter().map(ToString::to_string).collect();
+        assert_eq!(told, [format!("Main/Main rung 0: {call}: {expected}")]);
+    }
+    let told = load(&with("", "Do(S,0,K,N);", &[1], "DINT", "NOP();"), &mut NoMachine).findings;
+    assert_eq!(
+        told[0].to_string(),
+        "Main/Main rung 0: Do(S,0,K,N): P 0: expected a tag"
+    );
+}
+
+#[test]
+fn modules_are_given_by_name() {
+    let of = |call: &str| {
+        let mut of = with("", call, &[], "MODULE", "GSV(Module,P,EntryStatus,N);");
+        of.modules = vec!["Rack".to_owned()];
+        of
+    };
+    script("a module", &of("Do(S,Rack,K,N);"), ":N=16384");
+    script("through another instruction", &of("Pass(Q,rack,K,N);"), ":N=16384");
+    let mut with_tag = of("Do(S,Ref,K,N);");
+    with_tag.tags.extend(super::tags("Ref MODULE"));
+    script("a tag of a partial export", &with_tag, ":N=16384");
+    for operand in ["Gone", "N", "Rack.X"] {
+        let told = load(&of(&format!("Do(S,{operand},K,N);")), &mut NoMachine).findings;
+        let told: Vec<String> = told.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            told,
+            [format!(
+                "Main/Main rung 0: Do(S,{operand},K,N): P {operand}: is no module"
+            )]
+        );
+    }
+}
