@@ -82,6 +82,8 @@ pub(crate) struct ExecutionState {
     bases: Vec<Base>,
     frame: usize,
     overflow: bool,
+    /// Whether the minor fault of the overflow has been counted: a division by 0.
+    is_counted: bool,
     zero: bool,
     negative: bool,
     carry: bool,

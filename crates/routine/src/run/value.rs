@@ -343,7 +343,7 @@ impl Scan<'_> {
             Whole::Multiply => a.checked_mul(b),
             Whole::Divide | Whole::Modulo if b == 0 => {
                 self.s.overflow = true;
-                self.minor();
+                self.counted_minor();
                 return if operation == Whole::Divide { a } else { 0 };
             }
             Whole::Divide => a.checked_div(b),
@@ -387,13 +387,13 @@ impl Scan<'_> {
                     Float::Multiply => a * b,
                     Float::Divide => {
                         if b == 0.0 {
-                            self.minor();
+                            self.counted_minor();
                         }
                         a / b
                     }
                     Float::Modulo if b == 0.0 => {
                         self.s.overflow = true;
-                        self.minor();
+                        self.counted_minor();
                         0.0
                     }
                     Float::Modulo => libm::fmod(a, b),
@@ -439,7 +439,7 @@ impl Scan<'_> {
     fn bcd_of(&mut self, value: i64) -> i64 {
         if !(0..=99_999_999).contains(&value) {
             self.s.overflow = true;
-            self.minor();
+            self.counted_minor();
         }
         let (mut rest, mut bcd) = (value.unsigned_abs(), 0);
         for place in 0..8 {
@@ -476,13 +476,19 @@ impl Scan<'_> {
             Number::Whole(value) => (value == 0, value < 0),
             Number::Real(value) => (value == 0.0, value < 0.0),
         };
-        if self.s.overflow {
+        if self.s.overflow && !self.s.is_counted {
             self.minor();
         }
     }
 
+    /// A minor fault in arithmetic, after which the overflow of its result is none.
+    fn counted_minor(&mut self) {
+        self.minor();
+        self.s.is_counted = true;
+    }
+
     pub(crate) fn begin_arithmetic(&mut self) {
-        self.s.overflow = false;
+        (self.s.overflow, self.s.is_counted) = (false, false);
     }
 
     pub(crate) fn set_carry(&mut self, carry: bool) {
