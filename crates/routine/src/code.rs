@@ -278,6 +278,8 @@ pub(crate) enum Argument {
     Integer(Ex),
     /// A number with a point.
     Real(Ex),
+    /// A status bit that is written.
+    Status(Status),
     /// A number that is written.
     Target(Cellular),
     Area(Area),

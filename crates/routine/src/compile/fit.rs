@@ -3,12 +3,17 @@
 use arcline_tag::{DataType, Elementary};
 
 use super::Wrong;
-use crate::code::{Area, Argument, TextPart};
+use crate::code::{Area, Argument, Status, TextPart};
 use crate::table::Op;
 
 /// Whether the scan has an effect for these operands of an instruction.
 pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
     match (op, arguments) {
+        (Op::Ote | Op::Otl | Op::Otu, [Argument::Status(Status::FirstScan)]) => Err("S:FS is not written".to_owned()),
+        (Op::Ote | Op::Otl | Op::Otu, _) => Ok(()),
+        (_, all) if all.iter().any(|one| matches!(one, Argument::Status(_))) => {
+            Err("a status bit is no storage".to_owned())
+        }
         (Op::Cop, [from, to, _]) => {
             area("Dest", to)?;
             match from {

@@ -47,7 +47,10 @@ impl Compiler<'_> {
                 _ => Ok(Argument::Integer(self.whole(&expression)?)),
             },
             Kind::OutBit => match &expression {
-                Expression::Reference(reference) => self.bit(reference),
+                Expression::Reference(reference) => match status_of(reference) {
+                    Some(status) => Ok(Argument::Status(status)),
+                    None => self.bit(reference),
+                },
                 _ => Err("expected a BOOL".to_owned()),
             },
             Kind::Number | Kind::Expression => self.value(&expression),

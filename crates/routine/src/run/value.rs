@@ -275,6 +275,11 @@ impl Scan<'_> {
                 self.set(at, mask, on);
                 Ok(())
             }
+            Argument::Status(status) => {
+                let on = value.real() != 0.0;
+                self.set_status(*status, on);
+                Ok(())
+            }
             _ => Err(self.unknown()),
         }
     }
@@ -433,6 +438,17 @@ impl Scan<'_> {
             Status::Negative => self.s.negative,
             Status::Carry => self.s.carry,
             Status::Minor => self.s.minor,
+        }
+    }
+
+    fn set_status(&mut self, status: Status, on: bool) {
+        match status {
+            Status::FirstScan => self.s.first_scan = on,
+            Status::Overflow => self.s.overflow = on,
+            Status::Zero => self.s.zero = on,
+            Status::Negative => self.s.negative = on,
+            Status::Carry => self.s.carry = on,
+            Status::Minor => self.s.minor = on,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Status bits, and the minor faults of arithmetic (spec/programs.md §7).
 
-use super::{project, script};
+use super::{NoMachine, project, script};
+use crate::load;
 
 #[test]
 fn a_division_by_0_is_one_minor_fault() {
@@ -36,4 +37,37 @@ fn a_division_by_0_is_one_minor_fault() {
         )],
     );
     script("Structured Text", &of, ":Count=2;D=0");
+}
+
+#[test]
+fn status_bits_are_written() {
+    #[rustfmt::skip]
+    let cases = [
+        ("OTL(S:MINOR)XIC(S:MINOR)OTE(O);",           ":O=1"),
+        ("DIV(A,Z,D)OTU(S:MINOR)XIC(S:MINOR)OTE(O);", ":O=0"),
+        ("OTE(S:V)XIC(S:V)OTE(O);",                   ":O=1"),
+        ("XIC(I)OTE(S:V);\nXIC(S:V)OTE(O);",          ":O=0\nI:O=1"),
+        ("OTL(s:z)XIC(S:Z)OTE(O);",                   ":O=1"),
+        ("OTL(S:N)XIC(S:N)OTE(O);",                   ":O=1"),
+        ("OTL(S:C)XIC(S:C)OTE(O);",                   ":O=1"),
+        ("MOV(0,D)OTU(S:Z)XIC(S:Z)OTE(O);",           ":O=0"),
+    ];
+    for (rungs, lines) in cases {
+        let of = project("A DINT 7, Z DINT, D DINT, O BOOL, I BOOL", &[("Main", rungs)]);
+        script(rungs, &of, lines);
+    }
+    #[rustfmt::skip]
+    let refused = [
+        ("OTE(S:FS)", "OTE(S:FS): S:FS is not written"),
+        ("ONS(S:V)",  "ONS(S:V): a status bit is no storage"),
+    ];
+    for (rung, expected) in refused {
+        let of = project("O BOOL", &[("Main", &format!("{rung};"))]);
+        let told: Vec<String> = load(&of, &mut NoMachine)
+            .findings
+            .iter()
+            .map(ToString::to_string)
+            .collect();
+        assert_eq!(told, [format!("Main/Main rung 0: {expected}")]);
+    }
 }
