@@ -220,3 +220,42 @@ fn parts_that_do_not_run_are_named_or_passed_over() {
     let cell = load(&text, UnknownParts::Allowed).expect("the rest runs");
     assert_eq!(cell.findings(), parts.findings);
 }
+
+#[test]
+fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
+    let tags = "<Tag Name=\"Date\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"7\"/>\
+        <Tag Name=\"CS\" TagType=\"Base\" DataType=\"COORDINATE_SYSTEM\"><Data Format=\"CoordinateSystem\">\
+        <CoordinateSystemParameters MotionGroup=\"Motion1\" SystemType=\"Cartesian\" Dimension=\"1\" Axes=\"X\" MaximumSpeed=\"50.0\" \
+        MaximumAcceleration=\"500.0\" MaximumDeceleration=\"500.0\"/></Data></Tag>";
+    #[rustfmt::skip]
+    let cases = [
+        ("a tolerance",            "CoordinateSystem,CS,CommandPositionTolerance,Target", false),
+        ("a maximum of a system",  "CoordinateSystem,CS,MaximumSpeed,Target",             false),
+        ("a maximum of an axis",   "Axis,X,MaximumDeceleration,Target",                   false),
+        ("a member of a tag",      "Axis,X,ActualPosition,Target",                        false),
+        ("an attribute of homing", "Axis,X,HomeSpeed,Target",                             false),
+        ("the clock",              "WallClockTime,,DateTime,Date[0]",                     false),
+        ("the clock in one",       "WallClockTime,,CurrentValue,Date[0]",                 false),
+        ("bits of an axis",        "Axis,X,DynamicsConfigurationBits,Fixed",              true),
+        ("bits of a system",       "CoordinateSystem,CS,DynamicsConfigurationBits,Fixed", true),
+    ];
+    for (why, operands, has_effect) in cases {
+        load(&with(tags, &[&format!("GSV({operands});")]), UnknownParts::Refused)
+            .unwrap_or_else(|error| panic!("{why}: GSV: {error}"));
+        let loaded = load(&with(tags, &[&format!("SSV({operands});")]), UnknownParts::Refused);
+        if has_effect {
+            loaded.unwrap_or_else(|error| panic!("{why}: {error}"));
+            continue;
+        }
+        let Err(LoadError::Parts(parts)) = loaded else {
+            panic!("{why}: it has no effect");
+        };
+        let named: Vec<&str> = operands.split(',').take(3).collect();
+        let words = format!("Main/Go rung 0: instruction SSV {} is not supported", named.join(" "));
+        assert_eq!(
+            parts.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            [words],
+            "{why}"
+        );
+    }
+}

@@ -51,6 +51,10 @@ pub trait Directory {
     }
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)>;
+    /// Whether SSV can set the attribute of this number.
+    fn is_settable(&self, _attribute: u32) -> bool {
+        false
+    }
 }
 
 /// The types of a project and the names of its tags.
