@@ -259,3 +259,83 @@ fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
         );
     }
 }
+
+/// The project of the tests with a tag of a type and its data.
+fn with_data(kind: &str, data: &str) -> String {
+    let tag = format!("<Tag Name=\"V\" TagType=\"Base\" DataType=\"{kind}\">{data}</Tag>");
+    let types = "<DataType Name=\"Part\" Family=\"NoFamily\" Class=\"User\"><Members>\
+        <Member Name=\"ZZZZZZZZZZPart0\" DataType=\"SINT\" Dimension=\"0\" Hidden=\"true\"/>\
+        <Member Name=\"On\" DataType=\"BIT\" Dimension=\"0\" Hidden=\"false\" Target=\"ZZZZZZZZZZPart0\" BitNumber=\"0\"/>\
+        <Member Name=\"Up\" DataType=\"BIT\" Dimension=\"0\" Hidden=\"false\" Target=\"ZZZZZZZZZZPart0\" BitNumber=\"1\"/>\
+        <Member Name=\"Count\" DataType=\"DINT\" Dimension=\"0\" Hidden=\"false\"/>\
+        <Member Name=\"Delay\" DataType=\"TIMER\" Dimension=\"0\" Hidden=\"false\"/>\
+        <Member Name=\"Row\" DataType=\"REAL\" Dimension=\"2\" Hidden=\"false\"/></Members></DataType>";
+    with(&tag, &["NOP();"]).replacen("</DataTypes>", &format!("{types}</DataTypes>"), 1)
+}
+
+#[test]
+fn values_of_every_format_are_first_values() {
+    let l5k = |text: &str| format!("<Data Format=\"L5K\"><![CDATA[{text}]]></Data>");
+    let part = l5k("[2,-7,[0,500,3],[1.50000000e+000,2.5]]");
+    #[rustfmt::skip]
+    let cases = [
+        ("a number",              "DINT",                        l5k("42"),                        vec![("V", 42.0)]),
+        ("another radix",         "DINT",                        l5k("16#ff"),                     vec![("V", 255.0)]),
+        ("characters",            "DINT",                        l5k("'$00$00$00A'"),              vec![("V", 65.0)]),
+        ("a real",                "REAL",                        l5k("-1.50000000e+000"),          vec![("V", -1.5)]),
+        ("a bit",                 "BOOL",                        l5k("2#1"),                       vec![("V", 1.0)]),
+        ("a timer",               "TIMER",                       l5k("[-2147483648,500,7]"),       vec![("V.PRE", 500.0), ("V.ACC", 7.0), ("V.EN", 1.0)]),
+        ("an array, with blanks", "INT\" Dimensions=\"3",        l5k("[ 1,\n 2 , 3 ]"),           vec![("V[0]", 1.0), ("V[2]", 3.0)]),
+        ("two dimensions",        "INT\" Dimensions=\"2 2",      l5k("[1,2,3,4]"),                vec![("V[1,0]", 3.0)]),
+        ("rows",                  "INT\" Dimensions=\"2 2",      l5k("[[1,2],[3,4]]"),            vec![("V[1,0]", 3.0)]),
+        ("bits",                  "BOOL\" Dimensions=\"32",      l5k(&format!("[2#0,2#1{}]", ",2#0".repeat(30))), vec![("V[0]", 0.0), ("V[1]", 1.0)]),
+        ("a structure",           "Part",                        part.clone(),                     vec![("V.On", 0.0), ("V.Up", 1.0), ("V.Count", -7.0), ("V.Delay.PRE", 500.0), ("V.Row[1]", 2.5)]),
+        ("structures",            "TIMER\" Dimensions=\"2",      l5k("[[0,1,0],[0,2,0]]"),        vec![("V[0].PRE", 1.0), ("V[1].PRE", 2.0)]),
+        ("a text",                "STRING",                      l5k("[3,'a$'c$00$00']"),         vec![("V.LEN", 3.0), ("V.DATA[1]", 39.0)]),
+        ("the bytes of a number", "DINT",                        "<Data>2A 01 00 00 </Data>".to_owned(), vec![("V", 298.0)]),
+        ("names go first",        "DINT",                        format!("<Data>2A 00 00 00</Data>{}<Data Format=\"Decorated\"><DataValue DataType=\"DINT\" Value=\"7\"/></Data>", l5k("5")), vec![("V", 7.0)]),
+        ("texts, the first one",  "STRING\" Dimensions=\"3",     "<Data>01 00 00 00 </Data><Data Format=\"String\" Length=\"1\"><![CDATA['x']]></Data>".to_owned(), vec![("V[0].LEN", 1.0), ("V[0].DATA[0]", 120.0), ("V[1].LEN", 0.0)]),
+        ("texts, their bytes",    "STRING\" Dimensions=\"2",     format!("<Data>{}</Data><Data Format=\"String\"><![CDATA['x']]></Data>", format!("01 00 00 00 79{}", " 00".repeat(83)).repeat(2).replace("0001", "00 01")), vec![("V[1].DATA[0]", 121.0)]),
+        ("texts, in L5K",         "STRING\" Dimensions=\"2",     format!("{}<Data Format=\"String\"><![CDATA['x']]></Data>", l5k("[[1,'x'],[2,'yz']]")), vec![("V[1].LEN", 2.0)]),
+        ("a date",                "LINT",                        "<Data Format=\"Decorated\"><DataValue DataType=\"LINT\" Radix=\"Date/Time\" Value=\"DT#2020-01-31-12:00:00.000_001Z\"/></Data>".to_owned(), vec![("V", 1_580_472_000_000_001.0)]),
+        ("a date in a zone",      "LINT",                        l5k("LDT#2020-03-01-00:00:00.000_000_000(UTC-05:00)"), vec![("V", 1_583_038_800e9)]),
+        ("no value",              "DINT",                        l5k(" "),                         vec![("V", 0.0)]),
+    ];
+    for (why, kind, data, expected) in cases {
+        let mut cell =
+            load(&with_data(kind, &data), UnknownParts::Refused).unwrap_or_else(|error| panic!("{why}: {error}"));
+        cell.begin(&mut Blind).expect("a prescan without a fault");
+        for (tag, expected) in expected {
+            assert_eq!(number(&mut cell, tag), expected, "{why}: {tag}");
+        }
+    }
+}
+
+#[test]
+fn a_first_value_that_is_not_read_is_named() {
+    let l5k = |text: &str| format!("<Data Format=\"L5K\"><![CDATA[{text}]]></Data>");
+    #[rustfmt::skip]
+    let cases = [
+        ("no end",             "DINT\" Dimensions=\"2", l5k("[1,2"),     "\"[1,2\" is not understood"),
+        ("a word",             "DINT",                  l5k("ab"),       "\"ab\" is not understood"),
+        ("too few members",    "TIMER",                 l5k("[500,0]"),  "TIMER has 2 values, expected 3"),
+        ("too many elements",  "DINT\" Dimensions=\"2", l5k("[1,2,3]"),  "it has 3 elements, expected 2"),
+        ("an add-on instance", "Adder",                 l5k("[1,2]"),    "an instance of Adder without names of its members"),
+        ("too few bytes",      "DINT",                  "<Data>01 00</Data>".to_owned(), "it has 2 bytes, expected 4"),
+        ("no bytes",           "DINT",                  "<Data>0x1</Data>".to_owned(),   "\"0x1\" is not understood"),
+        ("a list for a number", "DINT",                 l5k("[1,2]"),    "it has 2 elements, expected 1"),
+    ];
+    for (why, kind, data, reason) in cases {
+        let text = with_data(kind, &data);
+        let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+            panic!("{why}: it is not read");
+        };
+        let words = format!("tag V: its first value is not that of the file: {reason}");
+        assert_eq!(
+            parts.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            [words],
+            "{why}"
+        );
+        load(&text, UnknownParts::Allowed).unwrap_or_else(|error| panic!("{why}: {error}"));
+    }
+}

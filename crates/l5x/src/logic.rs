@@ -1,6 +1,7 @@
 //! The program of an L5X file: tags, types, add-on instructions, routines and tasks as they are written, for `arcline-routine`.
 
 mod data;
+mod l5k;
 mod modules;
 mod partial;
 

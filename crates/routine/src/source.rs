@@ -189,6 +189,10 @@ pub enum Datum {
     Text(Vec<u8>),
     /// Elements, the last subscript fastest.
     Array(Vec<Datum>),
+    /// The bytes of the whole tag.
+    Bytes(Vec<u8>),
+    /// A value that is not understood: the beginning of its text.
+    Unread(String),
     /// Members by name; the second text is the member's type.
     Structure(String, Vec<(String, Datum)>),
     /// A number with its type: only in the tags of modules.
