@@ -339,3 +339,110 @@ fn a_first_value_that_is_not_read_is_named() {
         load(&text, UnknownParts::Allowed).unwrap_or_else(|error| panic!("{why}: {error}"));
     }
 }
+
+/// The project of the tests with programs behind its own, in the same task: their tags, rungs, and connections of their parameters.
+fn with_programs(tags: &str, programs: &[(&str, &str, &[&str])], connections: &[(&str, &str)]) -> String {
+    let mut text = with(tags, &["NOP();"]);
+    for (name, tags, rungs) in programs {
+        let rungs: String = (0..)
+            .zip(*rungs)
+            .map(|(number, text)| {
+                format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{text}]]></Text></Rung>")
+            })
+            .collect();
+        let program = format!(
+            "<Program Name=\"{name}\" MainRoutineName=\"R\"><Tags>{tags}</Tags><Routines><Routine Name=\"R\" Type=\"RLL\">\
+             <RLLContent>{rungs}</RLLContent></Routine></Routines></Program>"
+        );
+        text = text.replacen("</Programs>", &format!("{program}</Programs>"), 1);
+        let scheduled = format!("<ScheduledProgram Name=\"{name}\"/></ScheduledPrograms>");
+        text = text.replacen("</ScheduledPrograms>", &scheduled, 1);
+    }
+    let connections: String = connections
+        .iter()
+        .map(|(one, other)| format!("<ParameterConnection EndPoint1=\"{one}\" EndPoint2=\"{other}\"/>"))
+        .collect();
+    let connections = format!("<ParameterConnections>{connections}</ParameterConnections></Controller>");
+    text.replacen("</Controller>", &connections, 1)
+}
+
+fn parameter(name: &str, kind: &str, usage: &str) -> String {
+    format!("<Tag Name=\"{name}\" TagType=\"Base\" DataType={kind} Usage=\"{usage}\" ExternalAccess=\"Read/Write\"/>")
+}
+
+#[test]
+fn parameters_of_programs_are_copied_around_their_scans() {
+    let tags = "<Tag Name=\"A\" TagType=\"Base\" DataType=\"DINT\"/><Tag Name=\"B\" TagType=\"Base\" DataType=\"DINT\"/>\
+        <Tag Name=\"Io\" TagType=\"Base\" DataType=\"DINT\"/><Tag Name=\"Two\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"2\"/>";
+    let first = [
+        parameter("In", "\"DINT\"", "Input"),
+        parameter("Bit", "\"BOOL\"", "Input"),
+        parameter("Row", "\"DINT\" Dimensions=\"2\"", "Input"),
+        parameter("Sum", "\"DINT\"", "Output"),
+        parameter("Io", "\"DINT\"", "InOut"),
+        parameter("Open", "\"DINT\"", "Public"),
+    ];
+    let second = [
+        parameter("From", "\"DINT\"", "Input"),
+        parameter("Way", "\"DINT\"", "InOut"),
+    ];
+    let text = with_programs(
+        tags,
+        &[
+            (
+                "P1",
+                &first.concat(),
+                &["ADD(In,Row[1],Sum)ADD(Io,1,Io);", "XIC(Bit)MOV(5,Open);"],
+            ),
+            ("P2", &second.concat(), &["ADD(From,100,B)ADD(Way,1,Way);"]),
+        ],
+        &[
+            ("\\P1.In", "A"),
+            ("Start", "\\P1.Bit"),
+            ("\\P1.Row", "Two"),
+            ("\\P2.From", "\\P1.Sum"),
+            ("\\P1.Io", "Io"),
+            ("\\P2.Way", "\\P1.Open"),
+        ],
+    );
+    let mut cell = begun(&text);
+    for (tag, value) in [("A", 7), ("Two[1]", 3), ("Io", 40), ("Start", 1)] {
+        cell.write(tag, &WriteValue::Integer(value)).expect(tag);
+    }
+    ticks(&mut cell, 1);
+    let expected = [
+        ("Program:P1.Sum", 10.0),
+        ("B", 110.0),
+        ("Io", 41.0),
+        ("Program:P1.Open", 6.0),
+        ("Program:P1.Io", 41.0),
+    ];
+    for (tag, value) in expected {
+        assert_eq!(number(&mut cell, tag), value, "{tag}");
+    }
+}
+
+#[test]
+fn connections_that_do_not_take_place_are_named() {
+    let tags = [
+        parameter("In", "\"DINT\"", "Input"),
+        parameter("Io", "\"DINT\"", "InOut"),
+        parameter("Open", "\"DINT\"", "Public"),
+    ];
+    let connections = [("\\P1.In", "Batch"), ("\\P1.In", "Gone"), ("\\P1.Open", "Target")];
+    let text = with_programs("", &[("P1", &tags.concat(), &["NOP();"])], &connections);
+    let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+        panic!("they do not take place");
+    };
+    let found: Vec<String> = parts.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        found,
+        [
+            "tag \\P1.Open: its connection with Target does not take place: neither is an Input, Output or InOut parameter",
+            "P1: tag Io: is a parameter by reference (InOut) without a connection",
+            "tag \\P1.In: its connection with Batch does not take place: their types differ",
+            "tag \\P1.In: its connection with Gone does not take place: there is no tag Gone",
+        ]
+    );
+    load(&text, UnknownParts::Allowed).expect("the rest runs");
+}

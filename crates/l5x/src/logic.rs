@@ -3,6 +3,7 @@
 mod data;
 mod l5k;
 mod modules;
+mod parameters;
 mod partial;
 
 use std::collections::BTreeMap;
@@ -65,6 +66,7 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     for node in lists("Tasks", "Task") {
         project.tasks.push(task(&source, node)?);
     }
+    parameters::connections(controller, &mut project);
     let [target, name] = ["TargetType", "TargetName"].map(|word| root.attribute(word).unwrap_or_default());
     partial::complete(&mut project, controller, target, name);
     Ok(project)

@@ -6,6 +6,7 @@ mod expression;
 mod message;
 mod motion;
 mod operand;
+mod parameters;
 mod reference;
 mod statement;
 mod system;
@@ -130,6 +131,7 @@ impl<'p> Compiler<'p> {
             kind: FindingKind::Module,
             ..of_type(one)
         }));
+        findings.extend(project.findings.iter().cloned());
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
         compiler.findings = findings;
@@ -200,6 +202,8 @@ impl<'p> Compiler<'p> {
                 main,
                 fault,
                 is_disabled: program.is_disabled,
+                before: None,
+                behind: None,
             });
         }
         let program_of = |name: &str| {
@@ -252,6 +256,7 @@ impl<'p> Compiler<'p> {
                 programs: programs.map(|place| place as u32).collect(),
             });
         }
+        self.connections();
         self.wires();
     }
 

@@ -90,6 +90,13 @@ impl Tags {
             let mut scope = Scope::new();
             for source in &program.tags {
                 if let Some(symbol) = tags.add(source, Some(&program.name), types, object, &definitions, findings) {
+                    // An alias of the controller's tag of the same name.
+                    let of_controller = source
+                        .alias
+                        .as_ref()
+                        .filter(|alias| alias.eq_ignore_ascii_case(&source.name))
+                        .and_then(|alias| tags.controller.get(&alias.to_ascii_lowercase()).cloned());
+                    let symbol = of_controller.unwrap_or(symbol);
                     scope.insert(source.name.to_ascii_lowercase(), symbol);
                 }
             }

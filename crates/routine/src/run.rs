@@ -211,6 +211,11 @@ impl ExecutionState {
         self.path.clear();
     }
 
+    /// Ends the zone of MCR that a program has left open.
+    pub(crate) fn leave_zone(&mut self) {
+        self.zone = false;
+    }
+
     fn push_base(&mut self, at: u32, mask: u8) {
         self.bases.push(at);
         self.masks.push(mask);
