@@ -446,3 +446,39 @@ fn connections_that_do_not_take_place_are_named() {
     );
     load(&text, UnknownParts::Allowed).expect("the rest runs");
 }
+
+#[test]
+fn safety_and_phases_are_named_and_passed_over() {
+    let tags = "<Tag Name=\"N\" TagType=\"Base\" DataType=\"DINT\"/>";
+    let own = "<Tag Name=\"M\" TagType=\"Base\" DataType=\"DINT\"/>";
+    let programs: [(&str, &str, &[&str]); 2] =
+        [("P1", own, &["ADD(N,1,N);", "PRNT(M);"]), ("P2", "", &["ADD(N,10,N);"])];
+    let text = with_programs(tags, &programs, &[]);
+    #[rustfmt::skip]
+    let cases: [(&str, &[(&str, &str)], &[&str]); 3] = [
+        ("a phase", &[("<Program Name=\"P1\"", "<Program Type=\"EquipmentPhase\" Name=\"P1\"")],
+            &["program P1: an equipment phase is not supported"]),
+        ("a program of safety", &[("<Program Name=\"P1\"", "<Program Class=\"Safety\" Name=\"P1\"")],
+            &["program P1: a program of safety is not supported"]),
+        ("its task too", &[("<Program Name=\"P1\"", "<Program Class=\"Safety\" Name=\"P1\""), ("<Task ", "<Task Class=\"Safety\" ")],
+            &["program P1: a program of safety is not supported", "task Fast: a task of safety is not supported"]),
+    ];
+    for (why, replaced, expected) in cases {
+        let mut text = text.clone();
+        for (from, to) in replaced {
+            assert!(text.contains(from), "{why}: {from}");
+            text = text.replacen(from, to, 1);
+        }
+        let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+            panic!("{why}: it is refused");
+        };
+        let found: Vec<String> = parts.findings.iter().map(ToString::to_string).collect();
+        assert_eq!(found, expected, "{why}");
+        let mut cell = load(&text, UnknownParts::Allowed).expect(why);
+        cell.begin(&mut Blind).expect("a prescan without a fault");
+        ticks(&mut cell, 1);
+        let scans = if replaced.len() > 1 { 0.0 } else { 10.0 };
+        assert_eq!(number(&mut cell, "N"), scans, "{why}");
+        assert_eq!(number(&mut cell, "Program:P1.M"), 0.0, "{why}: its tags are there");
+    }
+}

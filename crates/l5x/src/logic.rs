@@ -5,6 +5,7 @@ mod l5k;
 mod modules;
 mod parameters;
 mod partial;
+mod unsupported;
 
 use std::collections::BTreeMap;
 
@@ -61,10 +62,16 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
         project.outside.extend(sharing(node));
     }
     for node in lists("Programs", "Program") {
-        project.programs.push(program(&source, node)?);
+        let read = program(&source, node)?;
+        project
+            .programs
+            .push(unsupported::program(node, read, &mut project.findings));
     }
     for node in lists("Tasks", "Task") {
-        project.tasks.push(task(&source, node)?);
+        let read = task(&source, node)?;
+        project
+            .tasks
+            .extend(unsupported::task(node, read, &mut project.findings));
     }
     parameters::connections(controller, &mut project);
     let [target, name] = ["TargetType", "TargetName"].map(|word| root.attribute(word).unwrap_or_default());
