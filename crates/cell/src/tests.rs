@@ -482,3 +482,26 @@ fn safety_and_phases_are_named_and_passed_over() {
         assert_eq!(number(&mut cell, "Program:P1.M"), 0.0, "{why}: its tags are there");
     }
 }
+
+#[test]
+fn arrays_may_have_more_than_65535_elements() {
+    let tags = "<Tag Name=\"Registers\" TagType=\"Base\" DataType=\"INT\" Dimensions=\"65536\"/>\
+        <Tag Name=\"Far\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"100000\"/>";
+    let rungs = [
+        "MOV(7,Registers[65535])MOV(8,Far[99999]);",
+        "COP(Far[99998],Far[70000],2);",
+    ];
+    let mut cell = begun(&with(tags, &rungs));
+    ticks(&mut cell, 1);
+    for (tag, expected) in [("Registers[65535]", 7.0), ("Far[70001]", 8.0)] {
+        assert_eq!(number(&mut cell, tag), expected, "{tag}");
+    }
+    let large = "<Tag Name=\"Large\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"100000000\"/>";
+    let Err(LoadError::Parts(parts)) = load(&with(large, &["NOP();"]), UnknownParts::Allowed) else {
+        panic!("it has 400 MB");
+    };
+    assert_eq!(
+        parts.findings[0].to_string(),
+        "Large: the tags need more than 268435456 bytes"
+    );
+}
