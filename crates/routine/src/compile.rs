@@ -9,6 +9,7 @@ mod operand;
 mod parameters;
 mod reference;
 mod statement;
+mod structure;
 mod system;
 mod wire;
 
@@ -256,6 +257,7 @@ impl<'p> Compiler<'p> {
                 programs: programs.map(|place| place as u32).collect(),
             });
         }
+        self.structure();
         self.connections();
         self.wires();
     }
@@ -381,7 +383,7 @@ impl<'p> Compiler<'p> {
         let body = match &parsed {
             Parsed::Ladder(rungs) => {
                 self.is_text = false;
-                self.labels = labels(rungs);
+                self.labels = self.labels_of(rungs);
                 let mut compiled = Vec::with_capacity(rungs.len());
                 for (number, rung) in rungs {
                     self.place = Some(Line::Rung(*number));
@@ -487,20 +489,6 @@ fn uses_carry(project: &Project) -> bool {
         Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
         Content::Other(_) => false,
     })
-}
-
-fn labels(rungs: &[(u32, rll::Rung)]) -> BTreeMap<String, u32> {
-    let mut labels = BTreeMap::new();
-    for (place, (_, rung)) in rungs.iter().enumerate() {
-        rung.visit(&mut |one| {
-            if one.name.eq_ignore_ascii_case("LBL")
-                && let Some(label) = one.operands().first()
-            {
-                labels.insert(label.text.to_ascii_lowercase(), place as u32);
-            }
-        });
-    }
-    labels
 }
 
 /// The lines of a text by byte.
