@@ -144,3 +144,12 @@ fn positions_beyond_every_array_are_faults() {
     let fault = cell.tick(1, 10_000_000, &mut NoMachine).expect_err("beyond the array");
     assert_eq!((fault.kind, fault.code), (4, 20));
 }
+
+#[test]
+fn blanks_before_brackets_and_reals_without_digits_behind_the_point() {
+    let of = super::project(
+        "N DINT, R REAL, S REAL, B BOOL 1",
+        &[("Main", "  XIC ( B )  ADD ( N , 1 , N ) ;\nMOV(1.E-3,R)MOV(2.e+1,S);")],
+    );
+    super::script("read", &of, ":N=1;R>0.00099;R<0.00101;S=20");
+}
