@@ -21,7 +21,7 @@ pub struct Project {
     pub tasks: Vec<TaskSource>,
     /// The names of the modules.
     pub modules: Vec<String>,
-    /// The modules, and tags of other controllers, that differ from real hardware: name and reason.
+    /// The modules that differ from real hardware: name and reason.
     pub outside: Vec<(String, String)>,
     /// Values that are copied around the scans of programs.
     pub connections: Vec<Connection>,
