@@ -374,6 +374,11 @@ impl Directory for Names<'_> {
         self.attributes.push((attribute, index));
         Some((self.attributes.len() as u32 - 1, 4))
     }
+
+    fn is_settable(&self, attribute: u32) -> bool {
+        let known = self.attributes.get(attribute as usize);
+        known.is_some_and(|(attribute, _)| attribute.is_settable())
+    }
 }
 
 /// Aliases of aliases that are followed.

@@ -220,3 +220,288 @@ fn parts_that_do_not_run_are_named_or_passed_over() {
     let cell = load(&text, UnknownParts::Allowed).expect("the rest runs");
     assert_eq!(cell.findings(), parts.findings);
 }
+
+#[test]
+fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
+    let tags = "<Tag Name=\"Date\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"7\"/>\
+        <Tag Name=\"CS\" TagType=\"Base\" DataType=\"COORDINATE_SYSTEM\"><Data Format=\"CoordinateSystem\">\
+        <CoordinateSystemParameters MotionGroup=\"Motion1\" SystemType=\"Cartesian\" Dimension=\"1\" Axes=\"X\" MaximumSpeed=\"50.0\" \
+        MaximumAcceleration=\"500.0\" MaximumDeceleration=\"500.0\"/></Data></Tag>";
+    #[rustfmt::skip]
+    let cases = [
+        ("a tolerance",            "CoordinateSystem,CS,CommandPositionTolerance,Target", false),
+        ("a maximum of a system",  "CoordinateSystem,CS,MaximumSpeed,Target",             false),
+        ("a maximum of an axis",   "Axis,X,MaximumDeceleration,Target",                   false),
+        ("a member of a tag",      "Axis,X,ActualPosition,Target",                        false),
+        ("an attribute of homing", "Axis,X,HomeSpeed,Target",                             false),
+        ("the clock",              "WallClockTime,,DateTime,Date[0]",                     false),
+        ("the clock in one",       "WallClockTime,,CurrentValue,Date[0]",                 false),
+        ("bits of an axis",        "Axis,X,DynamicsConfigurationBits,Fixed",              true),
+        ("bits of a system",       "CoordinateSystem,CS,DynamicsConfigurationBits,Fixed", true),
+    ];
+    for (why, operands, has_effect) in cases {
+        load(&with(tags, &[&format!("GSV({operands});")]), UnknownParts::Refused)
+            .unwrap_or_else(|error| panic!("{why}: GSV: {error}"));
+        let loaded = load(&with(tags, &[&format!("SSV({operands});")]), UnknownParts::Refused);
+        if has_effect {
+            loaded.unwrap_or_else(|error| panic!("{why}: {error}"));
+            continue;
+        }
+        let Err(LoadError::Parts(parts)) = loaded else {
+            panic!("{why}: it has no effect");
+        };
+        let named: Vec<&str> = operands.split(',').take(3).collect();
+        let words = format!("Main/Go rung 0: instruction SSV {} is not supported", named.join(" "));
+        assert_eq!(
+            parts.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            [words],
+            "{why}"
+        );
+    }
+}
+
+/// The project of the tests with a tag of a type and its data.
+fn with_data(kind: &str, data: &str) -> String {
+    let tag = format!("<Tag Name=\"V\" TagType=\"Base\" DataType=\"{kind}\">{data}</Tag>");
+    let types = "<DataType Name=\"Part\" Family=\"NoFamily\" Class=\"User\"><Members>\
+        <Member Name=\"ZZZZZZZZZZPart0\" DataType=\"SINT\" Dimension=\"0\" Hidden=\"true\"/>\
+        <Member Name=\"On\" DataType=\"BIT\" Dimension=\"0\" Hidden=\"false\" Target=\"ZZZZZZZZZZPart0\" BitNumber=\"0\"/>\
+        <Member Name=\"Up\" DataType=\"BIT\" Dimension=\"0\" Hidden=\"false\" Target=\"ZZZZZZZZZZPart0\" BitNumber=\"1\"/>\
+        <Member Name=\"Count\" DataType=\"DINT\" Dimension=\"0\" Hidden=\"false\"/>\
+        <Member Name=\"Delay\" DataType=\"TIMER\" Dimension=\"0\" Hidden=\"false\"/>\
+        <Member Name=\"Row\" DataType=\"REAL\" Dimension=\"2\" Hidden=\"false\"/></Members></DataType>";
+    with(&tag, &["NOP();"]).replacen("</DataTypes>", &format!("{types}</DataTypes>"), 1)
+}
+
+#[test]
+fn values_of_every_format_are_first_values() {
+    let l5k = |text: &str| format!("<Data Format=\"L5K\"><![CDATA[{text}]]></Data>");
+    let part = l5k("[2,-7,[0,500,3],[1.50000000e+000,2.5]]");
+    #[rustfmt::skip]
+    let cases = [
+        ("a number",              "DINT",                        l5k("42"),                        vec![("V", 42.0)]),
+        ("another radix",         "DINT",                        l5k("16#ff"),                     vec![("V", 255.0)]),
+        ("characters",            "DINT",                        l5k("'$00$00$00A'"),              vec![("V", 65.0)]),
+        ("a real",                "REAL",                        l5k("-1.50000000e+000"),          vec![("V", -1.5)]),
+        ("a bit",                 "BOOL",                        l5k("2#1"),                       vec![("V", 1.0)]),
+        ("a timer",               "TIMER",                       l5k("[-2147483648,500,7]"),       vec![("V.PRE", 500.0), ("V.ACC", 7.0), ("V.EN", 1.0)]),
+        ("an array, with blanks", "INT\" Dimensions=\"3",        l5k("[ 1,\n 2 , 3 ]"),           vec![("V[0]", 1.0), ("V[2]", 3.0)]),
+        ("two dimensions",        "INT\" Dimensions=\"2 2",      l5k("[1,2,3,4]"),                vec![("V[1,0]", 3.0)]),
+        ("rows",                  "INT\" Dimensions=\"2 2",      l5k("[[1,2],[3,4]]"),            vec![("V[1,0]", 3.0)]),
+        ("bits",                  "BOOL\" Dimensions=\"32",      l5k(&format!("[2#0,2#1{}]", ",2#0".repeat(30))), vec![("V[0]", 0.0), ("V[1]", 1.0)]),
+        ("a structure",           "Part",                        part.clone(),                     vec![("V.On", 0.0), ("V.Up", 1.0), ("V.Count", -7.0), ("V.Delay.PRE", 500.0), ("V.Row[1]", 2.5)]),
+        ("structures",            "TIMER\" Dimensions=\"2",      l5k("[[0,1,0],[0,2,0]]"),        vec![("V[0].PRE", 1.0), ("V[1].PRE", 2.0)]),
+        ("a text",                "STRING",                      l5k("[3,'a$'c$00$00']"),         vec![("V.LEN", 3.0), ("V.DATA[1]", 39.0)]),
+        ("the bytes of a number", "DINT",                        "<Data>2A 01 00 00 </Data>".to_owned(), vec![("V", 298.0)]),
+        ("names go first",        "DINT",                        format!("<Data>2A 00 00 00</Data>{}<Data Format=\"Decorated\"><DataValue DataType=\"DINT\" Value=\"7\"/></Data>", l5k("5")), vec![("V", 7.0)]),
+        ("texts, the first one",  "STRING\" Dimensions=\"3",     "<Data>01 00 00 00 </Data><Data Format=\"String\" Length=\"1\"><![CDATA['x']]></Data>".to_owned(), vec![("V[0].LEN", 1.0), ("V[0].DATA[0]", 120.0), ("V[1].LEN", 0.0)]),
+        ("texts, their bytes",    "STRING\" Dimensions=\"2",     format!("<Data>{}</Data><Data Format=\"String\"><![CDATA['x']]></Data>", format!("01 00 00 00 79{}", " 00".repeat(83)).repeat(2).replace("0001", "00 01")), vec![("V[1].DATA[0]", 121.0)]),
+        ("texts, in L5K",         "STRING\" Dimensions=\"2",     format!("{}<Data Format=\"String\"><![CDATA['x']]></Data>", l5k("[[1,'x'],[2,'yz']]")), vec![("V[1].LEN", 2.0)]),
+        ("a date",                "LINT",                        "<Data Format=\"Decorated\"><DataValue DataType=\"LINT\" Radix=\"Date/Time\" Value=\"DT#2020-01-31-12:00:00.000_001Z\"/></Data>".to_owned(), vec![("V", 1_580_472_000_000_001.0)]),
+        ("a date in a zone",      "LINT",                        l5k("LDT#2020-03-01-00:00:00.000_000_000(UTC-05:00)"), vec![("V", 1_583_038_800e9)]),
+        ("no value",              "DINT",                        l5k(" "),                         vec![("V", 0.0)]),
+    ];
+    for (why, kind, data, expected) in cases {
+        let mut cell =
+            load(&with_data(kind, &data), UnknownParts::Refused).unwrap_or_else(|error| panic!("{why}: {error}"));
+        cell.begin(&mut Blind).expect("a prescan without a fault");
+        for (tag, expected) in expected {
+            assert_eq!(number(&mut cell, tag), expected, "{why}: {tag}");
+        }
+    }
+}
+
+#[test]
+fn a_first_value_that_is_not_read_is_named() {
+    let l5k = |text: &str| format!("<Data Format=\"L5K\"><![CDATA[{text}]]></Data>");
+    #[rustfmt::skip]
+    let cases = [
+        ("no end",             "DINT\" Dimensions=\"2", l5k("[1,2"),     "\"[1,2\" is not understood"),
+        ("a word",             "DINT",                  l5k("ab"),       "\"ab\" is not understood"),
+        ("too few members",    "TIMER",                 l5k("[500,0]"),  "TIMER has 2 values, expected 3"),
+        ("too many elements",  "DINT\" Dimensions=\"2", l5k("[1,2,3]"),  "it has 3 elements, expected 2"),
+        ("an add-on instance", "Adder",                 l5k("[1,2]"),    "an instance of Adder without names of its members"),
+        ("too few bytes",      "DINT",                  "<Data>01 00</Data>".to_owned(), "it has 2 bytes, expected 4"),
+        ("no bytes",           "DINT",                  "<Data>0x1</Data>".to_owned(),   "\"0x1\" is not understood"),
+        ("a list for a number", "DINT",                 l5k("[1,2]"),    "it has 2 elements, expected 1"),
+    ];
+    for (why, kind, data, reason) in cases {
+        let text = with_data(kind, &data);
+        let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+            panic!("{why}: it is not read");
+        };
+        let words = format!("tag V: its first value is not that of the file: {reason}");
+        assert_eq!(
+            parts.findings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            [words],
+            "{why}"
+        );
+        load(&text, UnknownParts::Allowed).unwrap_or_else(|error| panic!("{why}: {error}"));
+    }
+}
+
+/// The project of the tests with programs behind its own, in the same task: their tags, rungs, and connections of their parameters.
+fn with_programs(tags: &str, programs: &[(&str, &str, &[&str])], connections: &[(&str, &str)]) -> String {
+    let mut text = with(tags, &["NOP();"]);
+    for (name, tags, rungs) in programs {
+        let rungs: String = (0..)
+            .zip(*rungs)
+            .map(|(number, text)| {
+                format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{text}]]></Text></Rung>")
+            })
+            .collect();
+        let program = format!(
+            "<Program Name=\"{name}\" MainRoutineName=\"R\"><Tags>{tags}</Tags><Routines><Routine Name=\"R\" Type=\"RLL\">\
+             <RLLContent>{rungs}</RLLContent></Routine></Routines></Program>"
+        );
+        text = text.replacen("</Programs>", &format!("{program}</Programs>"), 1);
+        let scheduled = format!("<ScheduledProgram Name=\"{name}\"/></ScheduledPrograms>");
+        text = text.replacen("</ScheduledPrograms>", &scheduled, 1);
+    }
+    let connections: String = connections
+        .iter()
+        .map(|(one, other)| format!("<ParameterConnection EndPoint1=\"{one}\" EndPoint2=\"{other}\"/>"))
+        .collect();
+    let connections = format!("<ParameterConnections>{connections}</ParameterConnections></Controller>");
+    text.replacen("</Controller>", &connections, 1)
+}
+
+fn parameter(name: &str, kind: &str, usage: &str) -> String {
+    format!("<Tag Name=\"{name}\" TagType=\"Base\" DataType={kind} Usage=\"{usage}\" ExternalAccess=\"Read/Write\"/>")
+}
+
+#[test]
+fn parameters_of_programs_are_copied_around_their_scans() {
+    let tags = "<Tag Name=\"A\" TagType=\"Base\" DataType=\"DINT\"/><Tag Name=\"B\" TagType=\"Base\" DataType=\"DINT\"/>\
+        <Tag Name=\"Io\" TagType=\"Base\" DataType=\"DINT\"/><Tag Name=\"Two\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"2\"/>";
+    let first = [
+        parameter("In", "\"DINT\"", "Input"),
+        parameter("Bit", "\"BOOL\"", "Input"),
+        parameter("Row", "\"DINT\" Dimensions=\"2\"", "Input"),
+        parameter("Sum", "\"DINT\"", "Output"),
+        parameter("Io", "\"DINT\"", "InOut"),
+        parameter("Open", "\"DINT\"", "Public"),
+    ];
+    let second = [
+        parameter("From", "\"DINT\"", "Input"),
+        parameter("Way", "\"DINT\"", "InOut"),
+    ];
+    let text = with_programs(
+        tags,
+        &[
+            (
+                "P1",
+                &first.concat(),
+                &["ADD(In,Row[1],Sum)ADD(Io,1,Io);", "XIC(Bit)MOV(5,Open);"],
+            ),
+            ("P2", &second.concat(), &["ADD(From,100,B)ADD(Way,1,Way);"]),
+        ],
+        &[
+            ("\\P1.In", "A"),
+            ("Start", "\\P1.Bit"),
+            ("\\P1.Row", "Two"),
+            ("\\P2.From", "\\P1.Sum"),
+            ("\\P1.Io", "Io"),
+            ("\\P2.Way", "\\P1.Open"),
+        ],
+    );
+    let mut cell = begun(&text);
+    for (tag, value) in [("A", 7), ("Two[1]", 3), ("Io", 40), ("Start", 1)] {
+        cell.write(tag, &WriteValue::Integer(value)).expect(tag);
+    }
+    ticks(&mut cell, 1);
+    let expected = [
+        ("Program:P1.Sum", 10.0),
+        ("B", 110.0),
+        ("Io", 41.0),
+        ("Program:P1.Open", 6.0),
+        ("Program:P1.Io", 41.0),
+    ];
+    for (tag, value) in expected {
+        assert_eq!(number(&mut cell, tag), value, "{tag}");
+    }
+}
+
+#[test]
+fn connections_that_do_not_take_place_are_named() {
+    let tags = [
+        parameter("In", "\"DINT\"", "Input"),
+        parameter("Io", "\"DINT\"", "InOut"),
+        parameter("Open", "\"DINT\"", "Public"),
+    ];
+    let connections = [("\\P1.In", "Batch"), ("\\P1.In", "Gone"), ("\\P1.Open", "Target")];
+    let text = with_programs("", &[("P1", &tags.concat(), &["NOP();"])], &connections);
+    let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+        panic!("they do not take place");
+    };
+    let found: Vec<String> = parts.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        found,
+        [
+            "tag \\P1.Open: its connection with Target does not take place: neither is an Input, Output or InOut parameter",
+            "P1: tag Io: is a parameter by reference (InOut) without a connection",
+            "tag \\P1.In: its connection with Batch does not take place: their types differ",
+            "tag \\P1.In: its connection with Gone does not take place: there is no tag Gone",
+        ]
+    );
+    load(&text, UnknownParts::Allowed).expect("the rest runs");
+}
+
+#[test]
+fn safety_and_phases_are_named_and_passed_over() {
+    let tags = "<Tag Name=\"N\" TagType=\"Base\" DataType=\"DINT\"/>";
+    let own = "<Tag Name=\"M\" TagType=\"Base\" DataType=\"DINT\"/>";
+    let programs: [(&str, &str, &[&str]); 2] =
+        [("P1", own, &["ADD(N,1,N);", "PRNT(M);"]), ("P2", "", &["ADD(N,10,N);"])];
+    let text = with_programs(tags, &programs, &[]);
+    #[rustfmt::skip]
+    let cases: [(&str, &[(&str, &str)], &[&str]); 3] = [
+        ("a phase", &[("<Program Name=\"P1\"", "<Program Type=\"EquipmentPhase\" Name=\"P1\"")],
+            &["program P1: an equipment phase is not supported"]),
+        ("a program of safety", &[("<Program Name=\"P1\"", "<Program Class=\"Safety\" Name=\"P1\"")],
+            &["program P1: a program of safety is not supported"]),
+        ("its task too", &[("<Program Name=\"P1\"", "<Program Class=\"Safety\" Name=\"P1\""), ("<Task ", "<Task Class=\"Safety\" ")],
+            &["program P1: a program of safety is not supported", "task Fast: a task of safety is not supported"]),
+    ];
+    for (why, replaced, expected) in cases {
+        let mut text = text.clone();
+        for (from, to) in replaced {
+            assert!(text.contains(from), "{why}: {from}");
+            text = text.replacen(from, to, 1);
+        }
+        let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+            panic!("{why}: it is refused");
+        };
+        let found: Vec<String> = parts.findings.iter().map(ToString::to_string).collect();
+        assert_eq!(found, expected, "{why}");
+        let mut cell = load(&text, UnknownParts::Allowed).expect(why);
+        cell.begin(&mut Blind).expect("a prescan without a fault");
+        ticks(&mut cell, 1);
+        let scans = if replaced.len() > 1 { 0.0 } else { 10.0 };
+        assert_eq!(number(&mut cell, "N"), scans, "{why}");
+        assert_eq!(number(&mut cell, "Program:P1.M"), 0.0, "{why}: its tags are there");
+    }
+}
+
+#[test]
+fn arrays_may_have_more_than_65535_elements() {
+    let tags = "<Tag Name=\"Registers\" TagType=\"Base\" DataType=\"INT\" Dimensions=\"65536\"/>\
+        <Tag Name=\"Far\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"100000\"/>";
+    let rungs = [
+        "MOV(7,Registers[65535])MOV(8,Far[99999]);",
+        "COP(Far[99998],Far[70000],2);",
+    ];
+    let mut cell = begun(&with(tags, &rungs));
+    ticks(&mut cell, 1);
+    for (tag, expected) in [("Registers[65535]", 7.0), ("Far[70001]", 8.0)] {
+        assert_eq!(number(&mut cell, tag), expected, "{tag}");
+    }
+    let large = "<Tag Name=\"Large\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"100000000\"/>";
+    let Err(LoadError::Parts(parts)) = load(&with(large, &["NOP();"]), UnknownParts::Allowed) else {
+        panic!("it has 400 MB");
+    };
+    assert_eq!(
+        parts.findings[0].to_string(),
+        "Large: the tags need more than 268435456 bytes"
+    );
+}

@@ -1,8 +1,11 @@
 //! The program of an L5X file: tags, types, add-on instructions, routines and tasks as they are written, for `arcline-routine`.
 
 mod data;
+mod l5k;
 mod modules;
+mod parameters;
 mod partial;
+mod unsupported;
 
 use std::collections::BTreeMap;
 
@@ -10,6 +13,7 @@ use arcline_routine::source::{
     Access, Content, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
     RungSource, TagSource, TaskSource, Trigger, TypeSource, Usage,
 };
+use arcline_routine::{Finding, FindingKind};
 use roxmltree::Node;
 
 use crate::document::{Source, child, children, parse};
@@ -48,6 +52,9 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     for node in lists("AddOnInstructionDefinitions", "AddOnInstructionDefinition") {
         project.instructions.push(instruction(&source, node)?);
     }
+    for node in lists("AddOnInstructionDefinitions", "AddOnInstructionDefinition") {
+        unsupported::edits(node, &mut project.findings);
+    }
     for node in lists("AddOnInstructionDefinitions", "EncodedData") {
         project.instructions.push(encoded(&source, node)?);
     }
@@ -56,14 +63,21 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     }
     for node in lists("Tags", "Tag") {
         project.tags.push(tag(&source, node)?);
-        project.outside.extend(sharing(node));
+        project.findings.extend(sharing(node));
     }
     for node in lists("Programs", "Program") {
-        project.programs.push(program(&source, node)?);
+        let read = program(&source, node)?;
+        project
+            .programs
+            .push(unsupported::program(node, read, &mut project.findings));
     }
     for node in lists("Tasks", "Task") {
-        project.tasks.push(task(&source, node)?);
+        let read = task(&source, node)?;
+        project
+            .tasks
+            .extend(unsupported::task(node, read, &mut project.findings));
     }
+    parameters::connections(controller, &mut project);
     let [target, name] = ["TargetType", "TargetName"].map(|word| root.attribute(word).unwrap_or_default());
     partial::complete(&mut project, controller, target, name);
     Ok(project)
@@ -184,10 +198,8 @@ fn content(node: Node<'_, '_>) -> Content {
             Content::Ladder(rungs.collect())
         }
         "ST" if child(node, "EncodedData").is_none() => {
-            // The text without pending edits is the first of several.
-            let lines = children(node, "STContent")
-                .take(1)
-                .flat_map(|list| children(list, "Line"));
+            let in_force = unsupported::text_in_force(node);
+            let lines = in_force.into_iter().flat_map(|list| children(list, "Line"));
             // Line feeds may stand around CDATA.
             let text = |line| text_of(line).trim_matches(['\r', '\n']).to_owned();
             Content::Text(lines.map(|line| (number(line), text(line))).collect())
@@ -222,22 +234,22 @@ fn tag(source: &Source<'_>, node: Node<'_, '_>) -> Result<TagSource, L5xError> {
     })
 }
 
-/// The sharing of a tag with other controllers, which does not take place here: name and reason.
-fn sharing(node: Node<'_, '_>) -> Option<(String, String)> {
-    let name = node.attribute("Name")?.to_owned();
-    match node.attribute("TagType")? {
-        "Produced" => Some((
-            name,
-            "is produced, but nobody receives it: it is a plain tag".to_owned(),
-        )),
+/// The sharing of a tag with other controllers, which does not take place here.
+fn sharing(node: Node<'_, '_>) -> Option<Finding> {
+    let reason = match node.attribute("TagType")? {
+        "Produced" => "is produced, but nobody receives it: it is a plain tag".to_owned(),
         "Consumed" => {
             let producer = child(node, "ConsumeInfo").and_then(|info| info.attribute("Producer"));
             let producer = producer.unwrap_or("another controller");
-            let reason = format!("is consumed from {producer}, but nothing comes: it is a plain tag");
-            Some((name, reason))
+            format!("is consumed from {producer}, but nothing comes: it is a plain tag")
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some(unsupported::finding(
+        FindingKind::Shared,
+        node.attribute("Name")?,
+        reason,
+    ))
 }
 
 /// The parameters of a tag of the type MESSAGE or ALARM_DIGITAL.

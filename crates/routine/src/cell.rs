@@ -411,7 +411,19 @@ impl Cell {
                 host: &mut *host,
                 caller: None,
             };
-            let ran = scan.routine(main);
+            let of = code.programs.get(place);
+            let mut ran = of
+                .and_then(|one| one.before)
+                .map_or(Ok(()), |copies| scan.routine(copies));
+            if ran.is_ok() {
+                ran = scan.routine(main);
+            }
+            if ran.is_ok()
+                && let Some(copies) = of.and_then(|one| one.behind)
+            {
+                scan.s.leave_zone();
+                ran = scan.routine(copies);
+            }
             let fault = scan.take_fault();
             if let Some(flag) = scanned.get_mut(place) {
                 *flag = true;

@@ -500,6 +500,9 @@ pub(crate) struct Program {
     pub(crate) main: Option<u32>,
     pub(crate) fault: Option<u32>,
     pub(crate) is_disabled: bool,
+    /// The routines that copy Input parameters before each scan, and Output parameters behind it.
+    pub(crate) before: Option<u32>,
+    pub(crate) behind: Option<u32>,
 }
 
 /// A task.

@@ -7,8 +7,10 @@ mod fit;
 mod message;
 mod motion;
 mod operand;
+mod parameters;
 mod reference;
 mod statement;
+mod structure;
 mod system;
 mod wire;
 
@@ -52,6 +54,10 @@ pub trait Directory {
     }
     /// The number of an attribute of a motion object, for GSV and SSV, and its size, bytes.
     fn attribute(&mut self, object: Object, index: u16, name: &str) -> Option<(u32, usize)>;
+    /// Whether SSV can set the attribute of this number.
+    fn is_settable(&self, _attribute: u32) -> bool {
+        false
+    }
 }
 
 /// The types of a project and the names of its tags.
@@ -127,6 +133,7 @@ impl<'p> Compiler<'p> {
             kind: FindingKind::Module,
             ..of_type(one)
         }));
+        findings.extend(project.findings.iter().cloned());
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
         compiler.findings = findings;
@@ -197,6 +204,8 @@ impl<'p> Compiler<'p> {
                 main,
                 fault,
                 is_disabled: program.is_disabled,
+                before: None,
+                behind: None,
             });
         }
         let program_of = |name: &str| {
@@ -249,6 +258,8 @@ impl<'p> Compiler<'p> {
                 programs: programs.map(|place| place as u32).collect(),
             });
         }
+        self.structure();
+        self.connections();
         self.wires();
     }
 
@@ -373,7 +384,7 @@ impl<'p> Compiler<'p> {
         let body = match &parsed {
             Parsed::Ladder(rungs) => {
                 self.is_text = false;
-                self.labels = labels(rungs);
+                self.labels = self.labels_of(rungs);
                 let mut compiled = Vec::with_capacity(rungs.len());
                 for (number, rung) in rungs {
                     self.place = Some(Line::Rung(*number));
@@ -479,20 +490,6 @@ fn uses_carry(project: &Project) -> bool {
         Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
         Content::Other(_) => false,
     })
-}
-
-fn labels(rungs: &[(u32, rll::Rung)]) -> BTreeMap<String, u32> {
-    let mut labels = BTreeMap::new();
-    for (place, (_, rung)) in rungs.iter().enumerate() {
-        rung.visit(&mut |one| {
-            if one.name.eq_ignore_ascii_case("LBL")
-                && let Some(label) = one.operands().first()
-            {
-                labels.insert(label.text.to_ascii_lowercase(), place as u32);
-            }
-        });
-    }
-    labels
 }
 
 /// The lines of a text by byte.

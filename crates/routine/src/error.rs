@@ -89,12 +89,18 @@ pub enum FindingKind {
     Instruction,
     /// A routine in another language, or encoded.
     Routine,
+    /// A program of another kind.
+    Program,
     /// A data type.
     Type,
     /// A task.
     Task,
-    /// A module, or a tag of another controller.
+    /// A tag whose first value or whose connection is not that of the file.
+    Tag,
+    /// A module.
     Module,
+    /// A tag of another controller, or for one.
+    Shared,
     /// An operand, a tag or a text that does not fit.
     Error,
 }
@@ -106,7 +112,9 @@ impl FindingKind {
             Self::Instruction => "instruction",
             Self::Routine => "routine",
             Self::Type => "type",
+            Self::Program => "program",
             Self::Task => "task",
+            Self::Tag | Self::Shared => "tag",
             Self::Module => "module",
             Self::Error => "error",
         }

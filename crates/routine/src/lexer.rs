@@ -196,6 +196,17 @@ impl<'t> Lexer<'t> {
                     end += 1 + digits(end + 1);
                     is_real = true;
                 }
+                // No digit behind the point: `1.E-3`.
+                Some(b'e' | b'E')
+                    if bytes
+                        .iter()
+                        .skip(end + 2)
+                        .find(|byte| !matches!(byte, b'+' | b'-'))
+                        .is_some_and(u8::is_ascii_digit) =>
+                {
+                    end += 1;
+                    is_real = true;
+                }
                 Some(b'$') => {
                     self.at += end + 2;
                     return Ok(TokenKind::Real(f64::INFINITY));

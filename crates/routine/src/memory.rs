@@ -1,13 +1,17 @@
 //! The memory of a project: where each tag stands in it, and its first bytes.
 
+mod values;
+
+pub(crate) use values::number;
+
 use std::collections::BTreeMap;
 
-use arcline_tag::{DataType, Elementary, Member, TagType, Template, TemplateBuilder};
+use arcline_tag::{DataType, TagType, Template, TemplateBuilder};
 
-use crate::Expression;
+use self::values::{Definitions, FirstValues};
 use crate::error::{Finding, FindingKind};
-use crate::source::{Access, Datum, InstructionSource, Project, TagSource, Usage, is_module};
-use crate::types::{Types, text_layout};
+use crate::source::{Access, Datum, Project, TagSource, is_module};
+use crate::types::Types;
 
 /// A tag and its place in the memory.
 #[derive(Clone, PartialEq, Debug)]
@@ -72,7 +76,7 @@ impl Tags {
         findings: &mut Vec<Finding>,
     ) -> Self {
         let mut tags = Tags::default();
-        let definitions: BTreeMap<String, &InstructionSource> = project
+        let definitions: Definitions<'_> = project
             .instructions
             .iter()
             .map(|one| (one.name.to_ascii_lowercase(), one))
@@ -86,6 +90,13 @@ impl Tags {
             let mut scope = Scope::new();
             for source in &program.tags {
                 if let Some(symbol) = tags.add(source, Some(&program.name), types, object, &definitions, findings) {
+                    // An alias of the controller's tag of the same name.
+                    let of_controller = source
+                        .alias
+                        .as_ref()
+                        .filter(|alias| alias.eq_ignore_ascii_case(&source.name))
+                        .and_then(|alias| tags.controller.get(&alias.to_ascii_lowercase()).cloned());
+                    let symbol = of_controller.unwrap_or(symbol);
                     scope.insert(source.name.to_ascii_lowercase(), symbol);
                 }
             }
@@ -100,9 +111,17 @@ impl Tags {
         program: Option<&str>,
         types: &mut Types,
         object: &dyn Fn(&str) -> Option<TagType>,
-        definitions: &BTreeMap<String, &InstructionSource>,
+        definitions: &Definitions<'_>,
         findings: &mut Vec<Finding>,
     ) -> Option<Symbol> {
+        let finding = |kind, name: &str, reason: String| Finding {
+            kind,
+            name: name.to_owned(),
+            reason,
+            program: program.map(str::to_owned),
+            routine: None,
+            place: None,
+        };
         if let Some(alias) = &source.alias {
             return Some(Symbol::Alias(alias.clone()));
         }
@@ -110,6 +129,7 @@ impl Tags {
             return None;
         }
         let of_machine = program.is_none().then(|| object(&source.name)).flatten();
+        let is_of_machine = of_machine.is_some();
         let found = of_machine.or_else(|| types.tag_type(&source.data_type, &source.dimensions));
         let tag_type = match found {
             Some(tag_type) => tag_type,
@@ -121,14 +141,7 @@ impl Tags {
             {
                 Some(template) => TagType::scalar(template),
                 None => {
-                    findings.push(Finding {
-                        kind: FindingKind::Type,
-                        name: source.data_type.clone(),
-                        reason: String::new(),
-                        program: program.map(str::to_owned),
-                        routine: None,
-                        place: None,
-                    });
+                    findings.push(finding(FindingKind::Type, &source.data_type, String::new()));
                     return None;
                 }
             },
@@ -136,29 +149,22 @@ impl Tags {
         let size = tag_type.size();
         let at = self.bytes.len().next_multiple_of(8);
         if at.saturating_add(size) > MAX_MEMORY {
-            findings.push(Finding {
-                kind: FindingKind::Error,
-                name: source.name.clone(),
-                reason: format!("the tags need more than {MAX_MEMORY} bytes"),
-                program: program.map(str::to_owned),
-                routine: None,
-                place: None,
-            });
+            let reason = format!("the tags need more than {MAX_MEMORY} bytes");
+            findings.push(finding(FindingKind::Error, &source.name, reason));
             return None;
         }
         self.bytes.resize(at + size, 0);
         let bytes = self.bytes.get_mut(at..at + size).unwrap_or_default();
-        first_values(&tag_type, bytes, definitions);
-        if let Some(value) = &source.value {
-            fill(bytes, &tag_type.data_type, tag_type.dimensions[0] > 0, value);
+        let mut values = FirstValues::new(definitions);
+        values.instances(&tag_type, bytes);
+        if let Some(value) = source.value.as_ref().filter(|_| !is_of_machine) {
+            values.fill(bytes, &tag_type.data_type, tag_type.dimensions[0] > 0, value);
         }
-        for (name, value) in &source.attributes {
-            if let DataType::Structure(template) = &tag_type.data_type
-                && let Some(member) = template.member(name)
-            {
-                fill_member(bytes, member, &Datum::Number(value.clone()));
-            }
+        if let Some(reason) = values.wrong {
+            let reason = format!("its first value is not that of the file: {reason}");
+            findings.push(finding(FindingKind::Tag, &source.name, reason));
         }
+        values::attributes(&tag_type, bytes, &source.attributes);
         let is_bool = source.data_type.eq_ignore_ascii_case("BOOL");
         let bits = (is_bool && !source.dimensions.is_empty()).then(|| source.dimensions.iter().product());
         self.list.push(Tag {
@@ -170,160 +176,6 @@ impl Tags {
             bits,
         });
         Some(Symbol::Tag(self.list.len() - 1))
-    }
-}
-
-/// The first values of instances: those of the definitions' parameters and local tags.
-fn first_values(tag_type: &TagType, bytes: &mut [u8], definitions: &BTreeMap<String, &InstructionSource>) {
-    let size = tag_type.data_type.size();
-    if size == 0 {
-        return;
-    }
-    for element in bytes.chunks_exact_mut(size) {
-        instance_values(&tag_type.data_type, element, definitions, 0);
-    }
-}
-
-fn instance_values(
-    data_type: &DataType,
-    bytes: &mut [u8],
-    definitions: &BTreeMap<String, &InstructionSource>,
-    depth: usize,
-) {
-    let DataType::Structure(template) = data_type else {
-        return;
-    };
-    if depth > MAX_DEPTH {
-        return;
-    }
-    for member in &template.members {
-        let size = member.data_type.size();
-        if matches!(member.data_type, DataType::Structure(_)) && size > 0 {
-            let from = member.offset as usize;
-            let part = bytes.get_mut(from..from + member.size()).unwrap_or_default();
-            for element in part.chunks_exact_mut(size) {
-                instance_values(&member.data_type, element, definitions, depth + 1);
-            }
-        }
-    }
-    let Some(definition) = definitions.get(&template.name.to_ascii_lowercase()) else {
-        return;
-    };
-    let parameters = definition.parameters.iter().filter(|one| one.usage != Usage::InOut);
-    let values = parameters.map(|one| (&one.member.name, &one.value));
-    let locals = definition.locals.iter().map(|(member, value)| (&member.name, value));
-    for (name, value) in values.chain(locals) {
-        if let (Some(member), Some(value)) = (template.member(name), value) {
-            fill_member(bytes, member, value);
-        }
-    }
-}
-
-fn fill_member(bytes: &mut [u8], member: &Member, value: &Datum) {
-    let from = member.offset as usize;
-    if let Some(bit) = member.bit {
-        if let (Some(byte), Datum::Number(text)) = (bytes.get_mut(from), plain(value)) {
-            let mask = 1 << bit;
-            *byte = if number(text).0 != 0 {
-                *byte | mask
-            } else {
-                *byte & !mask
-            };
-        }
-        return;
-    }
-    if let Some(part) = bytes.get_mut(from..from + member.size()) {
-        fill(part, &member.data_type, member.dimension > 0, value);
-    }
-}
-
-fn plain(value: &Datum) -> &Datum {
-    match value {
-        Datum::Typed(_, inner) => inner,
-        value => value,
-    }
-}
-
-/// Writes a first value to the bytes of a type.
-fn fill(bytes: &mut [u8], data_type: &DataType, is_array: bool, value: &Datum) {
-    let size = data_type.size().max(1);
-    match (plain(value), data_type) {
-        (Datum::Array(items), DataType::Elementary(Elementary::Dword)) => {
-            for (place, item) in items.iter().enumerate() {
-                if let (Datum::Number(text), Some(byte)) = (plain(item), bytes.get_mut(place / 8)) {
-                    *byte |= u8::from(number(text).0 != 0) << (place % 8);
-                }
-            }
-        }
-        (Datum::Array(items), _) => {
-            for (item, part) in items.iter().zip(bytes.chunks_exact_mut(size)) {
-                fill(part, data_type, false, item);
-            }
-        }
-        (Datum::Number(text), DataType::Elementary(kind)) => {
-            let (whole, real) = number(text);
-            let le = whole.to_le_bytes();
-            match kind {
-                Elementary::Real => put(bytes, &(real as f32).to_le_bytes()),
-                Elementary::Lreal => put(bytes, &real.to_le_bytes()),
-                Elementary::Bool => put(bytes, &[u8::from(whole != 0)]),
-                kind => put(bytes, le.get(..kind.size()).unwrap_or_default()),
-            }
-        }
-        (Datum::Text(text), DataType::Structure(_)) => {
-            if let Some((data, capacity)) = text_layout(data_type) {
-                let length = text.len().min(capacity as usize);
-                put(bytes, &(length as i32).to_le_bytes());
-                let from = data as usize;
-                put(
-                    bytes.get_mut(from..).unwrap_or_default(),
-                    text.get(..length).unwrap_or_default(),
-                );
-            }
-        }
-        (Datum::Text(text), DataType::Elementary(Elementary::Sint)) if is_array => {
-            let length = text.len().min(bytes.len());
-            put(bytes, text.get(..length).unwrap_or_default());
-        }
-        (Datum::Structure(_, members), DataType::Structure(template)) => {
-            for (name, value) in members {
-                if let Some(member) = template.member(name) {
-                    fill_member(bytes, member, value);
-                }
-            }
-        }
-        _ => {}
-    }
-}
-
-fn put(bytes: &mut [u8], value: &[u8]) {
-    if let Some(place) = bytes.get_mut(..value.len()) {
-        place.copy_from_slice(value);
-    }
-}
-
-/// A number of the file as a whole number and as one with a point.
-pub(crate) fn number(text: &str) -> (i64, f64) {
-    let text = text.trim();
-    if text.eq_ignore_ascii_case("true") {
-        return (1, 1.0);
-    }
-    let constant = |expression: &Expression| match expression {
-        Expression::Integer(value) => Some((*value, *value as f64)),
-        Expression::Real(value) => Some((value.round_ties_even() as i64, *value)),
-        // Radix ASCII: the first character is the highest byte.
-        Expression::Text(bytes) => {
-            let whole = bytes.iter().fold(0_i64, |value, byte| value << 8 | i64::from(*byte));
-            Some((whole, whole as f64))
-        }
-        _ => None,
-    };
-    match Expression::parse(text) {
-        Ok(Expression::Unary(crate::Unary::Negate, inner)) => {
-            constant(&inner).map_or((0, 0.0), |(whole, real)| (whole.wrapping_neg(), -real))
-        }
-        Ok(expression) => constant(&expression).unwrap_or_default(),
-        Err(_) => (0, 0.0),
     }
 }
 
@@ -363,5 +215,3 @@ fn module_type(types: &mut Types, name: &str, datum: &Datum) -> Option<std::sync
 
 /// Most bytes of all tags.
 const MAX_MEMORY: usize = 256 << 20;
-/// Structures within one another.
-const MAX_DEPTH: usize = 32;

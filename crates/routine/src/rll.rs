@@ -214,7 +214,10 @@ impl RungReader<'_> {
             self.at += 1;
         }
         let name = self.text.get(at..self.at).unwrap_or_default().to_owned();
+        let end = self.at;
+        self.skip();
         if self.peek() != Some(b'(') {
+            self.at = end;
             return Ok(Instruction {
                 name,
                 at,

@@ -229,6 +229,11 @@ impl ExecutionState {
         self.path.clear();
     }
 
+    /// Ends the zone of MCR that a program has left open.
+    pub(crate) fn leave_zone(&mut self) {
+        self.zone = false;
+    }
+
     /// Prepares the evaluation of operands between two scans; returns the flag that it may change.
     pub(crate) fn begin_sample(&mut self) -> bool {
         self.frame = 0;

@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::error::Finding;
+
 /// A project.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Project {
@@ -19,14 +21,31 @@ pub struct Project {
     pub tasks: Vec<TaskSource>,
     /// The names of the modules.
     pub modules: Vec<String>,
-    /// The modules, and tags of other controllers, that differ from real hardware: name and reason.
+    /// The modules that differ from real hardware: name and reason.
     pub outside: Vec<(String, String)>,
+    /// Values that are copied around the scans of programs.
+    pub connections: Vec<Connection>,
+    /// Parts that the reader of the file found not to run.
+    pub findings: Vec<Finding>,
     /// The program of the controller's fault handler.
     pub fault_handler: Option<String>,
     /// The answers to MSG; of several that fit, the first applies. They are not in the file.
     pub answers: Vec<Answer>,
     /// Wires between tags and axes. They are not in the file.
     pub wires: Vec<Wire>,
+}
+
+/// The connection of an Input or Output parameter of a program: a copy around its scan.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Connection {
+    /// The program.
+    pub program: String,
+    /// Whether the copy is made before the scan; else behind it.
+    pub is_before: bool,
+    /// The source, in the controller's scope: `Speed`, `\\Main.Speed`.
+    pub from: String,
+    /// The destination.
+    pub to: String,
 }
 
 /// A wire: a bit that another bit, or an input of an axis, follows.
@@ -192,8 +211,12 @@ pub enum Datum {
     Number(String),
     /// A text, its bytes.
     Text(Vec<u8>),
-    /// Elements, the last subscript fastest.
+    /// Elements, the last subscript fastest; of a structure, the values of its members in their order, as the format L5K has them.
     Array(Vec<Datum>),
+    /// The bytes of the whole tag.
+    Bytes(Vec<u8>),
+    /// A value that is not understood: the beginning of its text.
+    Unread(String),
     /// Members by name; the second text is the member's type.
     Structure(String, Vec<(String, Datum)>),
     /// A number with its type: only in the tags of modules.

@@ -253,8 +253,9 @@ impl Authority {
         write(&self.folder.join(CRL), &crl.pem()?, PUBLIC)?;
         write(&issued, &format!("{}\n", lines.join("\n")), PRIVATE)?;
         Ok(format!(
-            "{}: {count} of {name}; a running server reads it within a minute, or at SIGHUP\n",
-            self.folder.join(CRL).display()
+            "{file}: {count} of {name}; a running server whose [security] names this file as `revoked` reads it within a minute, or at \
+             SIGHUP. A server without `revoked` still accepts the client\n",
+            file = self.folder.join(CRL).display()
         ))
     }
 }

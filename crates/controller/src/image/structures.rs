@@ -45,7 +45,11 @@ impl Image {
         })
     }
 
+    /// A frame; without a tag, the one of zeros.
     fn frame(&self, operand: &TagOperand) -> Result<Frame, MotionError> {
+        if operand.is_none() {
+            return Ok(Frame::default());
+        }
         let bytes = self.structure_of(operand)?;
         Ok(Frame {
             id: dint(bytes, 0),

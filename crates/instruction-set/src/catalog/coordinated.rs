@@ -25,7 +25,7 @@ const fn translation() -> Row<RealArray> {
 }
 
 const fn frame() -> Row<Option<TagAddress>> {
-    structure("POSITION_DATA", "")
+    structure_or_none("POSITION_DATA", "0: no offset")
 }
 
 instructions! {

@@ -93,11 +93,13 @@ impl<'a, 't> Importer<'a, 't> {
             .filter(|word| !word.is_empty())
         {
             match count.parse() {
-                Ok(count) if (1..=MAX_ELEMENTS).contains(&count) && dimensions.len() < 3 => dimensions.push(count),
+                Ok(count) if (1..=MAX_LENGTH).contains(&count) && dimensions.len() < 3 => dimensions.push(count),
                 _ => {
-                    return Err(self
-                        .source
-                        .wrong(node, "Dimensions", "up to three whole numbers from 1 to 65535"));
+                    return Err(self.source.wrong(
+                        node,
+                        "Dimensions",
+                        "up to three whole numbers from 1 to 2147483647",
+                    ));
                 }
             }
         }
@@ -105,7 +107,9 @@ impl<'a, 't> Importer<'a, 't> {
             return Ok(false);
         };
         let is_bool = word.eq_ignore_ascii_case("BOOL");
-        let too_many = (is_bool && dimensions.len() > 1) || self.count("tag") >= MAX_TAGS;
+        // A configuration has shorter arrays than a controller.
+        let is_long = dimensions.iter().any(|count| *count > MAX_ELEMENTS);
+        let too_many = is_long || (is_bool && dimensions.len() > 1) || self.count("tag") >= MAX_TAGS;
         if too_many
             || types.size(&kind, &dimensions) > MAX_SIZE as u64
             || node.attribute("ExternalAccess") == Some("None")
@@ -239,6 +243,8 @@ fn full_name(program: Option<&str>, name: &str) -> String {
 
 /// The type of motion control tags.
 const CONTROL: &str = "MOTION_INSTRUCTION";
+/// Most elements of a dimension in a file.
+const MAX_LENGTH: u32 = i32::MAX as u32;
 /// Aliases of aliases that are followed.
 const MAX_CHAIN: usize = 16;
 /// Longest path of an alias, bytes.

@@ -166,7 +166,12 @@ impl<'a, 't> Importer<'a, 't> {
             let word = if word == "BIT" { "BOOL" } else { word };
             let dimension = match member.attribute("Dimension").unwrap_or("0").parse() {
                 Ok(dimension) if dimension <= MAX_ELEMENTS => dimension,
-                _ => return Err(self.source.wrong(member, "Dimension", "a whole number from 0 to 65535")),
+                // A structure of a configuration has no room for it.
+                Ok(_) => {
+                    self.source.report(member, Reason::NoCounterpart);
+                    continue;
+                }
+                _ => return Err(self.source.wrong(member, "Dimension", "a whole number")),
             };
             let Some(kind) = types
                 .kind(word)

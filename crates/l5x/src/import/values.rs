@@ -30,7 +30,8 @@ impl<'a, 't> Importer<'a, 't> {
             }
         } else if let Some(data) = data("String") {
             self.source.check(data);
-            Some(self.characters(data, types, kind)?)
+            let text = self.characters(data, types, kind)?;
+            Some(self.first_of(data, text, kind, dimensions))
         } else {
             for data in children(tag, "Data") {
                 self.source.report(
@@ -74,19 +75,23 @@ impl<'a, 't> Importer<'a, 't> {
             let expected = "as many as the tag's or member's dimensions say";
             return Err(self.source.error(node, Problem::Value { found, expected }));
         }
-        for count in dimensions.iter().skip(1).rev() {
-            let mut rows = Vec::with_capacity(values.len() / *count as usize);
-            let mut rest = values.into_iter();
-            loop {
-                let row: Vec<Value> = rest.by_ref().take(*count as usize).collect();
-                if row.is_empty() {
-                    break;
-                }
-                rows.push(Value::Array(row));
-            }
-            values = rows;
+        Ok(in_rows(values, dimensions))
+    }
+
+    /// The value of a tag whose file has one text: that of its first element, when the tag is an array.
+    fn first_of(&mut self, data: Node<'a, 't>, text: Value, kind: &Kind, dimensions: &[u32]) -> Value {
+        if dimensions.is_empty() {
+            return text;
         }
-        Ok(Value::Array(values))
+        let words = "of an array of texts the first one is there as a text, the others become empty";
+        self.source.report(data, Reason::Changed(words));
+        let empty = match kind {
+            Kind::Text => Value::String(String::new()),
+            Kind::Elementary(_) | Kind::Structure(_) => Value::Table(Table::new()),
+        };
+        let count = dimensions.iter().map(|count| *count as usize).product::<usize>();
+        let others = std::iter::repeat_n(empty, count.saturating_sub(1));
+        in_rows(std::iter::once(text).chain(others).collect(), dimensions)
     }
 
     fn scalar(&mut self, node: Node<'a, 't>, kind: Elementary) -> Result<Value, L5xError> {
@@ -232,6 +237,23 @@ impl<'a, 't> Importer<'a, 't> {
     fn missing(&self, node: Node<'a, 't>, what: &'static str, expected: &'static str) -> L5xError {
         self.source.error(node, Problem::Missing { what, expected })
     }
+}
+
+/// Elements, the last subscript fastest, as lists of lists.
+fn in_rows(mut values: Vec<Value>, dimensions: &[u32]) -> Value {
+    for count in dimensions.iter().skip(1).rev() {
+        let mut rows = Vec::with_capacity(values.len() / *count as usize);
+        let mut rest = values.into_iter();
+        loop {
+            let row: Vec<Value> = rest.by_ref().take(*count as usize).collect();
+            if row.is_empty() {
+                break;
+            }
+            rows.push(Value::Array(row));
+        }
+        values = rows;
+    }
+    Value::Array(values)
 }
 
 /// Whether a value equals the default. Minus zero does not.

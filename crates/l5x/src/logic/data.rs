@@ -1,9 +1,11 @@
-//! First values: `Decorated` and `String` data as a tree.
+//! First values: data as a tree. `Decorated` data name their members, so they go first; `String` is a text, L5K has values in the order of
+//! members, and data without a format are the bytes of the tag.
 
 use arcline_routine::source::Datum;
 use roxmltree::Node;
 
-use crate::document::{child, children};
+use super::{dimensions, l5k};
+use crate::document::{child, children, shortened};
 use crate::text;
 
 /// The first value of a tag or parameter, whose data stand in elements of that name.
@@ -12,8 +14,49 @@ pub(super) fn value(node: Node<'_, '_>, element: &'static str) -> Option<Datum> 
     if let Some(data) = data("Decorated") {
         return data.children().find(Node::is_element).and_then(|node| datum(node, 0));
     }
-    let data = data("String")?;
-    text::string(data.text().unwrap_or_default()).map(Datum::Text)
+    if let Some(first) = data("String") {
+        let content = first.text().unwrap_or_default().trim();
+        let first = text::string(content).map_or_else(|| Datum::Unread(shortened(content)), Datum::Text);
+        let sizes = dimensions(node, "Dimensions").into_iter();
+        let value = match sizes.reduce(u32::saturating_mul) {
+            Some(count) => texts(unnamed(node, element), first, count),
+            None => first,
+        };
+        return Some(value).filter(|_| !content.is_empty());
+    }
+    // Axes, messages and alarms have a format of their own.
+    let has_own = |data: Node<'_, '_>| data.attribute("Format").is_some_and(|format| format != "L5K");
+    if children(node, element).any(has_own) {
+        return None;
+    }
+    unnamed(node, element)
+}
+
+/// The value of an array of texts: of the format String is its first element alone; all of them may stand beside it.
+fn texts(all: Option<Datum>, first: Datum, count: u32) -> Datum {
+    match all {
+        Some(Datum::Array(texts)) => Datum::Array(texts),
+        // LEN and some characters of each.
+        Some(Datum::Bytes(bytes)) if bytes.len() % count as usize == 0 && bytes.len() / count as usize > 4 => {
+            Datum::Bytes(bytes)
+        }
+        _ => Datum::Array(vec![first]),
+    }
+}
+
+/// Data in the format L5K, or the bytes of the whole tag.
+fn unnamed(node: Node<'_, '_>, element: &'static str) -> Option<Datum> {
+    let in_format = |format: Option<&str>| children(node, element).find(|data| data.attribute("Format") == format);
+    if let Some(data) = in_format(Some("L5K")) {
+        let text: String = data.children().filter_map(|part| part.text()).collect();
+        return Some(l5k::value(&text)).filter(|_| !text.trim().is_empty());
+    }
+    let text = in_format(None)?.text().unwrap_or_default().trim();
+    let bytes: Option<Vec<u8>> = text
+        .split_whitespace()
+        .map(|byte| u8::from_str_radix(byte, 16).ok())
+        .collect();
+    Some(bytes.map_or_else(|| Datum::Unread(shortened(text)), Datum::Bytes)).filter(|_| !text.is_empty())
 }
 
 /// A `DataValue`, `Array`, `Structure`, or a member.

@@ -84,11 +84,31 @@ fn tags_that_controllers_share_are_plain_tags_and_named() {
     let project = logic(&file("", tags), "cell.L5X").expect("it is read");
     assert_eq!(project.tags.len(), 3);
     let expected = [
-        ("Out", "is produced, but nobody receives it: it is a plain tag"),
-        ("In", "is consumed from Line, but nothing comes: it is a plain tag"),
+        "tag Out: is produced, but nobody receives it: it is a plain tag",
+        "tag In: is consumed from Line, but nothing comes: it is a plain tag",
     ];
-    assert_eq!(
-        project.outside,
-        expected.map(|(name, reason)| (name.to_owned(), reason.to_owned()))
+    let found: Vec<String> = project.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn pending_edits_of_structured_text_are_named_and_do_not_run() {
+    let text = |edit: &str, line: &str| {
+        format!("<STContent OnlineEditType=\"{edit}\"><Line Number=\"0\"><![CDATA[{line}]]></Line></STContent>")
+    };
+    let routines = format!(
+        "<Programs><Program Name=\"Main\"><Routines><Routine Name=\"R\" Type=\"ST\">{}{}</Routine><Routine Name=\"S\" Type=\"ST\">{}</Routine>\
+         </Routines></Program></Programs></Controller>",
+        text("Pending", "a := 2;"),
+        text("Original", "a := 1;"),
+        text("Original", "a := 3;")
     );
+    let text = file("", "").replacen("</Controller>", &routines, 1);
+    let project = logic(&text, "cell.L5X").expect("it is read");
+    let found: Vec<String> = project.findings.iter().map(ToString::to_string).collect();
+    assert_eq!(found, ["Main/R: text: has pending edits; the text in force runs"]);
+    let arcline_routine::source::Content::Text(lines) = &project.programs[0].routines[0].content else {
+        panic!("it is Structured Text");
+    };
+    assert_eq!(*lines, [(0, "a := 1;".to_owned())]);
 }

@@ -264,7 +264,7 @@ fn wrong_files() {
         ("too deep",                 deep,                                                     "x.L5X:1:193: found 65 levels of elements, expected at most 64"),
         ("too wide",                 wide,                                                     "x.L5X:1:1: found 2000 attributes of one element, expected at most 1024"),
         ("no name",                  l5x("<Tags><Tag DataType='DINT'/></Tags>"),               "x.L5X:3:44: Controller/Tags/Tag[DINT]: Name is missing, expected the tag's name"),
-        ("no such number of places", l5x("<Tags><Tag Name='A' DataType='DINT' Dimensions='0'/></Tags>"), "@Dimensions: found \"0\", expected up to three whole numbers from 1 to 65535"),
+        ("no such number of places", l5x("<Tags><Tag Name='A' DataType='DINT' Dimensions='0'/></Tags>"), "@Dimensions: found \"0\", expected up to three whole numbers from 1 to 2147483647"),
         ("a number that is none",    l5x("<Tags><Tag Name='A' DataType='DINT'><Data Format='Decorated'><DataValue Value='x'/></Data></Tag></Tags>"), "DataValue/@Value: found \"x\", expected a whole number that the type holds"),
         ("too large a number",       l5x("<Tags><Tag Name='A' DataType='SINT'><Data Format='Decorated'><DataValue Value='128'/></Data></Tag></Tags>"), "found \"128\", expected a whole number that the type holds"),
         ("too few elements",         l5x("<Tags><Tag Name='A' DataType='SINT' Dimensions='2'><Data Format='Decorated'><Array><Element Value='1'/></Array></Data></Tag></Tags>"), "found \"1 Element\""),

@@ -59,23 +59,28 @@ impl Compiler<'_> {
             "axis" | "coordinatesystem" | "motiongroup" => self.object_attribute(&class, instance, &attribute),
             _ => None,
         };
-        let is_settable = op == Op::Gsv
-            || matches!(
-                found,
-                Some(Attribute::Record(_) | Attribute::Host(_) | Attribute::DisableFlag(_) | Attribute::WallClock(_))
-            )
-            || matches!(
-                found,
-                Some(
-                    Attribute::MinorFaults
-                        | Attribute::MajorFaults
-                        | Attribute::Events(_)
-                        | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status)
-                )
-            );
         Ok(found
-            .filter(|_| is_settable)
+            .filter(|attribute| op == Op::Gsv || self.is_settable(attribute))
             .map(|attribute| System { attribute, area }))
+    }
+
+    /// Whether SSV has an effect on an attribute. The clock is that of the run, and the configuration alone sets most numbers of the machine.
+    fn is_settable(&self, attribute: &Attribute) -> bool {
+        match attribute {
+            Attribute::Host(number) => self.directory.is_settable(*number),
+            Attribute::Record(_)
+            | Attribute::DisableFlag(_)
+            | Attribute::MinorFaults
+            | Attribute::MajorFaults
+            | Attribute::Events(_)
+            | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status) => true,
+            Attribute::Task(..)
+            | Attribute::WallClock(_)
+            | Attribute::Constant(_)
+            | Attribute::Number(_)
+            | Attribute::Member(_)
+            | Attribute::Missing => false,
+        }
     }
 
     /// Whether the project has a module of that name, or none at all.

@@ -191,7 +191,9 @@ impl Scan<'_> {
         for (of, routine) in attempts {
             let Some(routine) = routine else { continue };
             if let Some(record) = self.s.records.get_mut(of as usize) {
-                let [_, _, kind_code, ..] = record;
+                let [low, high, kind_code, ..] = record;
+                let micros = self.s.now / 1000;
+                (*low, *high) = (micros as i32, (micros >> 32) as i32);
                 *kind_code = i32::from(fault.kind) | i32::from(fault.code) << 16;
             }
             (self.s.in_fault, self.s.prescan, self.s.zone, self.s.program) = (true, false, false, of);

@@ -166,8 +166,12 @@ impl Scan<'_> {
                     }
                 }
             }
-            // The clock is that of the run.
-            _ => {}
+            // SSV of these is refused when the project is loaded.
+            Attribute::WallClock(_)
+            | Attribute::Task(..)
+            | Attribute::Constant(_)
+            | Attribute::Number(_)
+            | Attribute::Member(_) => self.minor(),
         }
     }
 

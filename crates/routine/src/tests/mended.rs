@@ -144,3 +144,23 @@ fn positions_beyond_every_array_are_faults() {
     let fault = cell.tick(1, 10_000_000, &mut NoMachine).expect_err("beyond the array");
     assert_eq!((fault.kind, fault.code), (4, 20));
 }
+
+#[test]
+fn blanks_before_brackets_and_reals_without_digits_behind_the_point() {
+    let of = super::project(
+        "N DINT, R REAL, S REAL, B BOOL 1",
+        &[("Main", "  XIC ( B )  ADD ( N , 1 , N ) ;\nMOV(1.E-3,R)MOV(2.e+1,S);")],
+    );
+    super::script("read", &of, ":N=1;R>0.00099;R<0.00101;S=20");
+}
+
+#[test]
+fn a_fault_record_has_the_time_of_its_fault() {
+    let clear = "GSV(Program,THIS,MajorFaultRecord,R[0]);\nMOV(0,R[2]);\nSSV(Program,THIS,MajorFaultRecord,R[0]);";
+    let mut of = super::project(
+        "A DINT[2], I DINT 9, N DINT, R DINT[11]",
+        &[("Main", "MOV(A[I],N);"), ("Fault", clear)],
+    );
+    of.programs[0].fault = Some("Fault".to_owned());
+    super::script("4/20", &of, ":R[0]=0\n2 x:R[0]=20000;R[1]=0");
+}

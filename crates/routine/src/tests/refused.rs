@@ -1,7 +1,7 @@
 //! Each part that does not run has a finding with its position, and is counted (spec/programs.md §4, §10.8, §16).
 
 use super::{NoMachine, expect, project, routine, script, set, started};
-use crate::source::{Content, RoutineSource, RungSource};
+use crate::source::{Content, Project, RoutineSource, RungSource, TaskSource, Trigger};
 use crate::{Finding, FindingKind, load};
 
 fn told(findings: &[Finding]) -> Vec<String> {
@@ -210,4 +210,36 @@ fn modules_and_tags_of_other_controllers_are_named_and_block_nothing_but_their_u
         findings[1].to_string(),
         "Main/Main rung 0: XIC(Local:1:I.Data.0): Data Bit Local:1:I.Data.0: there is no tag Local:1:I"
     );
+}
+
+#[test]
+fn names_that_lead_nowhere_or_to_two_places_are_named() {
+    let plain = || project("N DINT", &[("Main", "ADD(N,1,N);")]);
+    let continuous = |name: &str| TaskSource::new(name, Trigger::Continuous, &["Main"]);
+    #[rustfmt::skip]
+    let cases: [(&str, &dyn Fn(&mut Project), &str); 6] = [
+        ("a task's program",  &|of| of.tasks[0].programs.push("Gone".to_owned()),        "task Task: there is no program Gone, which it runs"),
+        ("a main routine",    &|of| of.programs[0].main = Some("Gone".to_owned()),       "program Main: there is no routine Gone, its main routine"),
+        ("a fault routine",   &|of| of.programs[0].fault = Some("Gone".to_owned()),      "program Main: there is no routine Gone, its fault routine"),
+        ("a fault handler",   &|of| of.fault_handler = Some("Gone".to_owned()),          "program Gone: there is no such program, which is to handle major faults"),
+        ("continuous tasks",  &|of| of.tasks = vec![continuous("A"), continuous("B")],   "task B: it does not run, since A is continuous too"),
+        ("a label twice",     &|of| of.programs[0].routines[0] = routine("Main", "LBL(Here)NOP();\nlbl(here)NOP();\nJMP(Here);"), "Main/Main rung 1: LBL: another rung has the label here too"),
+    ];
+    for (why, change, expected) in cases {
+        let mut of = plain();
+        change(&mut of);
+        assert_eq!(told(&load(&of, &mut NoMachine).findings), [expected], "{why}");
+    }
+    // A program that no task runs may be a part of another project.
+    let mut of = plain();
+    of.programs[0].main = Some("Gone".to_owned());
+    of.tasks.clear();
+    assert!(load(&of, &mut NoMachine).findings.is_empty());
+    // The second continuous task is passed over.
+    let mut of = plain();
+    of.tasks = vec![continuous("A"), continuous("B")];
+    let mut cell = load(&of, &mut NoMachine).cell;
+    cell.start(0, &mut NoMachine).expect("it starts");
+    cell.tick(0, 10_000_000, &mut NoMachine).expect("no fault");
+    expect("one of them ran", &mut cell, &of, "N=1");
 }

@@ -548,6 +548,32 @@ fn turns_counters_choose_the_joint() {
 }
 
 #[test]
+fn a_frame_of_0_is_no_frame() {
+    let machine = DELTA_J1J2J3J6.config();
+    let calculated = |frames: &str| {
+        let mut bench = Bench::with(&machine);
+        bench.write("Work.X", 5.0);
+        let call = format!("MCTPO(CART, ROBOT, C, {frames}, Forward, [20, 20, 20, 30, 0, 0], Place, Bits, Turns)");
+        assert_eq!(bench.call(&call), OK, "{frames}");
+        (0..6)
+            .map(|place| bench.read(&format!("Place[{place}]")))
+            .collect::<Vec<_>>()
+    };
+    let without = calculated("NoFrame, NoFrame");
+    for frames in ["0, 0", "None, NoFrame", "NoFrame, 0"] {
+        assert_eq!(calculated(frames), without, "{frames}");
+    }
+    assert_ne!(calculated("Work, 0"), without, "one frame is one");
+    let linked = |frames: &str| {
+        let mut bench = Bench::with(&machine);
+        assert_eq!(bench.call(&format!("MCTO(CART, ROBOT, C, {frames})")), OK, "{frames}");
+        bench.run(3);
+        ["X", "Y", "Z", "RZ"].map(|axis| bench.position(axis))
+    };
+    assert_eq!(linked("0, 0"), linked("NoFrame, NoFrame"));
+}
+
+#[test]
 fn mctpo_refuses_invalid_calls() {
     #[rustfmt::skip]
     let cases: [(&str, Values<'_>, &str, (i16, i8)); 13] = [
