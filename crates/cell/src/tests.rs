@@ -447,6 +447,9 @@ fn connections_that_do_not_take_place_are_named() {
     load(&text, UnknownParts::Allowed).expect("the rest runs");
 }
 
+/// Texts of a project, and those in their places.
+type Replacements<'t> = &'t [(&'t str, &'t str)];
+
 #[test]
 fn safety_and_phases_are_named_and_passed_over() {
     let tags = "<Tag Name=\"N\" TagType=\"Base\" DataType=\"DINT\"/>";
@@ -455,7 +458,7 @@ fn safety_and_phases_are_named_and_passed_over() {
         [("P1", own, &["ADD(N,1,N);", "PRNT(M);"]), ("P2", "", &["ADD(N,10,N);"])];
     let text = with_programs(tags, &programs, &[]);
     #[rustfmt::skip]
-    let cases: [(&str, &[(&str, &str)], &[&str]); 3] = [
+    let cases: [(&str, Replacements<'_>, &[&str]); 3] = [
         ("a phase", &[("<Program Name=\"P1\"", "<Program Type=\"EquipmentPhase\" Name=\"P1\"")],
             &["program P1: an equipment phase is not supported"]),
         ("a program of safety", &[("<Program Name=\"P1\"", "<Program Class=\"Safety\" Name=\"P1\"")],

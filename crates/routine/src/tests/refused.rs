@@ -216,8 +216,9 @@ fn modules_and_tags_of_other_controllers_are_named_and_block_nothing_but_their_u
 fn names_that_lead_nowhere_or_to_two_places_are_named() {
     let plain = || project("N DINT", &[("Main", "ADD(N,1,N);")]);
     let continuous = |name: &str| TaskSource::new(name, Trigger::Continuous, &["Main"]);
+    type Change<'c> = &'c dyn Fn(&mut Project);
     #[rustfmt::skip]
-    let cases: [(&str, &dyn Fn(&mut Project), &str); 6] = [
+    let cases: [(&str, Change<'_>, &str); 6] = [
         ("a task's program",  &|of| of.tasks[0].programs.push("Gone".to_owned()),        "task Task: there is no program Gone, which it runs"),
         ("a main routine",    &|of| of.programs[0].main = Some("Gone".to_owned()),       "program Main: there is no routine Gone, its main routine"),
         ("a fault routine",   &|of| of.programs[0].fault = Some("Gone".to_owned()),      "program Main: there is no routine Gone, its fault routine"),
