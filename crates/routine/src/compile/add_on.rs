@@ -138,18 +138,21 @@ impl Compiler<'_> {
         self.referenced_tag(parameter, &reference).map(|one| (one, None))
     }
 
-    /// A literal for a number or BOOL by reference has a place of its own, which no tag names.
+    /// A literal has a place of its own, which no tag names: 0 stands for data of any type.
     fn literal(&mut self, parameter: &MemberSource, literal: &Expression) -> Result<(Referenced, Option<Copy>), Wrong> {
-        let kind = match self.types.data_type(&parameter.data_type) {
-            Some(DataType::Elementary(kind)) if parameter.dimensions.is_empty() => kind,
+        let tag_type = self.types.tag_type(&parameter.data_type, &parameter.dimensions);
+        let tag_type = tag_type.ok_or("expected a tag")?;
+        let kind = match tag_type.data_type {
+            DataType::Elementary(kind) if parameter.dimensions.is_empty() => Some(kind),
+            _ if *literal == Expression::Integer(0) => None,
             _ => return Err("expected a tag".to_owned()),
         };
         let from = match self.value(literal)? {
             from @ (Argument::Integer(Ex::Integer(_)) | Argument::Real(Ex::Real(_))) => from,
             _ => return Err("expected a tag".to_owned()),
         };
-        let at = self.tags.bytes.len().next_multiple_of(8);
-        self.tags.bytes.resize(at + 8, 0);
+        let (at, size) = (self.tags.bytes.len().next_multiple_of(8), tag_type.size());
+        self.tags.bytes.resize(at + size.max(8), 0);
         let place = Place {
             base: 0,
             at: at as u32,
@@ -157,14 +160,18 @@ impl Compiler<'_> {
         };
         let reference = Referenced {
             place: place.clone(),
-            bit: (kind == Elementary::Bool).then_some(Select::Mask(1)),
+            bit: (kind == Some(Elementary::Bool)).then_some(Select::Mask(1)),
             sizes: Some(Sizes {
-                bytes: kind.size() as u32,
-                ..Sizes::default()
+                dimensions: tag_type.dimensions,
+                bits: parameter.dimensions.first().copied().unwrap_or_default(),
+                bytes: size as u32,
             }),
         };
-        let to = Argument::Target(Cellular { place, kind });
-        Ok((reference, Some(Copy { from, to })))
+        let copy = kind.map(|kind| Copy {
+            from,
+            to: Argument::Target(Cellular { place, kind }),
+        });
+        Ok((reference, copy))
     }
 
     /// Whether a name is that of a module, of a parameter by reference that is one, or of a tag of their type.

@@ -182,10 +182,23 @@ fn literals_stand_for_operands_that_nothing_takes() {
         let told: Vec<String> = told.iter().map(ToString::to_string).collect();
         assert_eq!(told, [format!("Main/Main rung 0: {call}: {expected}")]);
     }
-    let told = load(&with("", "Do(S,0,K,N);", &[1], "DINT", "NOP();"), &mut NoMachine).findings;
-    assert_eq!(
-        told[0].to_string(),
-        "Main/Main rung 0: Do(S,0,K,N): P 0: expected a tag"
+    for (operand, data_type, dimensions) in [("1", "TIMER", &[][..]), ("1", "DINT", &[1])] {
+        let call = format!("Do(S,{operand},K,N)");
+        let told = load(
+            &with("", &format!("{call};"), dimensions, data_type, "NOP();"),
+            &mut NoMachine,
+        )
+        .findings;
+        assert_eq!(
+            told[0].to_string(),
+            format!("Main/Main rung 0: {call}: P 1: expected a tag")
+        );
+    }
+    let logic = "ST\nSIZE(P,0,N); K := P[2].PRE; P[2].PRE := 5;";
+    script(
+        "0 for an array of structures",
+        &with("", "Do(S,0,K,N);", &[3], "TIMER", logic),
+        ":N=3;K=0",
     );
 }
 
