@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import path from "node:path";
-import { close, go, open, slowness, until } from "./browser.mjs";
+import { close, go, metrics_of, open, slowness, until } from "./browser.mjs";
 
 const picture = (page, folder, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 
@@ -121,9 +121,7 @@ export async function a_thousand_rungs_leave_time({ browser, url, folder }) {
   await go(page, "controller");
   await rung(page, 0).waitFor();
   await on(page, 0, ".coil").or(page.locator(".operand-value", { hasText: /^\d/ })).first().waitFor();
-  const session = await page.context().newCDPSession(page);
-  await session.send("Performance.enable", { timeDomain: "threadTicks" });
-  const metrics = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map(({ name, value }) => [name, value]));
+  const metrics = await metrics_of(page);
   const wrong = [];
   // Other work on the computer only adds, through caches and cores that are shared: the least of a few counts.
   const least = async (enough) => {

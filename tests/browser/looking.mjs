@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
-import { PATIENCE, VIEWS, actual, arrived, close, go, open, operand, pixels, positions, ready, release, shown, slowness, take, until } from "./browser.mjs";
+import { PATIENCE, VIEWS, actual, arrived, close, go, metrics_of, open, operand, pixels, positions, ready, release, shown, slowness, take, until } from "./browser.mjs";
 
 const PATH = ".view.path .path-canvas canvas";
 const PREVIEW = ".preview-panel canvas";
@@ -213,9 +213,7 @@ export async function frames_leave_time({ browser, url }) {
   await page.getByRole("button", { name: "Take control" }).click();
   await page.getByRole("button", { name: "Run", exact: true }).click();
   await page.getByText(`${axes.length} axes moving`).waitFor();
-  const session = await page.context().newCDPSession(page);
-  await session.send("Performance.enable", { timeDomain: "threadTicks" });
-  const metrics = async () => Object.fromEntries((await session.send("Performance.getMetrics")).metrics.map(({ name, value }) => [name, value]));
+  const metrics = await metrics_of(page);
   const wrong = [];
   const most = FRAME_MS * (await slowness(browser));
   for (const view of VIEWS) {

@@ -8,44 +8,53 @@ export class Pen {
   /** @param {Pick<CanvasRenderingContext2D, "moveTo" | "lineTo">} context */
   constructor(context) {
     this.context = context;
-    /** The last point that was drawn. @type {[number, number] | null} */
-    this.drawn = null;
-    /** The point after it that is not drawn yet. @type {[number, number] | null} */
-    this.waiting = null;
-    /** The slopes of the lines from `drawn` that pass all points since. */
+    /** Whether a line is drawn, and its last point. */
+    this.isDown = false;
+    this.x = 0;
+    this.y = 0;
+    /** Whether there is a point behind it that is not drawn yet, and that point. */
+    this.waits = false;
+    this.nextX = 0;
+    this.nextY = 0;
+    /** The slopes of the lines from the last point that pass all points since. */
     this.least = -Infinity;
     this.greatest = Infinity;
   }
 
   /** Goes to a point, or begins a line there. @param {number} x @param {number} y */
   to(x, y) {
-    if (!this.drawn) {
+    if (!this.isDown) {
       this.context.moveTo(x, y);
-      this.drawn = [x, y];
+      this.isDown = true;
+      this.#begin(x, y);
       return;
     }
-    if (this.waiting) {
-      const slope = (y - this.drawn[1]) / (x - this.drawn[0]);
-      if (!(slope >= this.least && slope <= this.greatest)) this.#draw();
-    }
-    const [fromX, fromY] = this.drawn;
-    const wide = x - fromX;
-    this.least = Math.max(this.least, (y - TOLERANCE - fromY) / wide);
-    this.greatest = Math.min(this.greatest, (y + TOLERANCE - fromY) / wide);
-    this.waiting = [x, y];
+    const slope = (y - this.y) / (x - this.x);
+    if (this.waits && !(slope >= this.least && slope <= this.greatest)) this.#draw();
+    const wide = x - this.x;
+    this.least = Math.max(this.least, (y - TOLERANCE - this.y) / wide);
+    this.greatest = Math.min(this.greatest, (y + TOLERANCE - this.y) / wide);
+    this.waits = true;
+    this.nextX = x;
+    this.nextY = y;
   }
 
   /** Ends the line. */
   lift() {
-    if (this.waiting) this.#draw();
-    this.drawn = null;
+    if (this.waits) this.#draw();
+    this.isDown = false;
   }
 
   #draw() {
-    const [x, y] = /** @type {[number, number]} */ (this.waiting);
-    this.context.lineTo(x, y);
-    this.drawn = [x, y];
-    this.waiting = null;
+    this.context.lineTo(this.nextX, this.nextY);
+    this.#begin(this.nextX, this.nextY);
+  }
+
+  /** @param {number} x @param {number} y */
+  #begin(x, y) {
+    this.x = x;
+    this.y = y;
+    this.waits = false;
     this.least = -Infinity;
     this.greatest = Infinity;
   }

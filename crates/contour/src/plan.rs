@@ -1,5 +1,7 @@
 //! The plan of a trajectory from moves: sections from rest to rest, each rounded, timed and optimised.
 
+use std::ops::Range;
+
 use crate::limits::{MoveLimits, Smoothness};
 use crate::path::allowance::SectionStart;
 use crate::path::straight::straight;
@@ -79,6 +81,14 @@ pub(crate) fn can_pass(before: &ContourMove, after: &ContourMove) -> bool {
     }
     let tangent = (before.path.end_tangent() - after.path.start_tangent()).norm() <= SAME_TANGENT_SINE;
     tangent || before.tolerance > 0.0 || before.path.length() <= 0.0 || after.path.length() <= 0.0
+}
+
+/// The moves around one of them between which the motion does not stop.
+pub(crate) fn between_stops(moves: &[ContourMove], around: usize) -> Range<usize> {
+    let stops_before = |&k: &usize| !can_pass(&moves[k - 1], &moves[k]);
+    let begin = (1..=around).rev().find(stops_before).unwrap_or(0);
+    let end = (around + 1..moves.len()).find(stops_before).unwrap_or(moves.len());
+    begin..end
 }
 
 /// Plans one section as well as possible. If a plan is outside the corridor or the limits, the section is planned again with less freedom,

@@ -245,11 +245,7 @@ fn sharing(node: Node<'_, '_>) -> Option<Finding> {
         }
         _ => return None,
     };
-    Some(unsupported::finding(
-        FindingKind::Shared,
-        node.attribute("Name")?,
-        reason,
-    ))
+    Some(Finding::new(FindingKind::Shared, node.attribute("Name")?, reason))
 }
 
 /// The parameters of a tag of the type MESSAGE or ALARM_DIGITAL.

@@ -120,14 +120,7 @@ pub(crate) type Wrong = String;
 impl<'p> Compiler<'p> {
     pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory) -> Self {
         let mut types = Types::new(project);
-        let of_type = |(name, reason): &(String, String)| Finding {
-            kind: FindingKind::Type,
-            name: name.clone(),
-            reason: reason.clone(),
-            program: None,
-            routine: None,
-            place: None,
-        };
+        let of_type = |(name, reason): &(String, String)| Finding::new(FindingKind::Type, name, reason.clone());
         let mut findings: Vec<Finding> = types.wrong.iter().map(of_type).collect();
         findings.extend(project.outside.iter().map(|one| Finding {
             kind: FindingKind::Module,

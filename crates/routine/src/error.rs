@@ -73,6 +73,21 @@ pub struct Finding {
     pub place: Option<Line>,
 }
 
+impl Finding {
+    /// A finding without a place; empty reason: the part is not implemented.
+    #[must_use]
+    pub fn new(kind: FindingKind, name: &str, reason: String) -> Self {
+        Finding {
+            kind,
+            name: name.to_owned(),
+            reason,
+            program: None,
+            routine: None,
+            place: None,
+        }
+    }
+}
+
 /// A rung of ladder or a line of Structured Text, as the file numbers them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Line {

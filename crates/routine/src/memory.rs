@@ -115,12 +115,8 @@ impl Tags {
         findings: &mut Vec<Finding>,
     ) -> Option<Symbol> {
         let finding = |kind, name: &str, reason: String| Finding {
-            kind,
-            name: name.to_owned(),
-            reason,
             program: program.map(str::to_owned),
-            routine: None,
-            place: None,
+            ..Finding::new(kind, name, reason)
         };
         if let Some(alias) = &source.alias {
             return Some(Symbol::Alias(alias.clone()));

@@ -24,7 +24,7 @@ pub use string::{
     STRING_CAPACITY, STRING_HANDLE, STRING_INSTANCE, STRING_SIZE, clamp_strings, string_template, string_text,
     write_string,
 };
-pub use tag_type::{Location, TagType};
+pub use tag_type::{Location, TagType, elements_of};
 pub use tag_value::{FloatsOnly, StructureValue, TagValue, shortest};
 pub use template::{DataType, Member, Template, TemplateBuilder};
 pub use value::Value;

@@ -75,10 +75,7 @@ impl TagType {
 
     /// Number of elements, 1 if it is not an array.
     pub fn elements(&self) -> u32 {
-        self.dimensions
-            .iter()
-            .take_while(|size| **size > 0)
-            .fold(1, |all, size| all.saturating_mul(*size))
+        elements_of(&self.dimensions)
     }
 
     /// Size in bytes of all elements.
@@ -194,6 +191,12 @@ fn not_a_structure(member: &str, of: &DataType) -> PathError {
         member: member.to_owned(),
         of: of.name().to_owned(),
     }
+}
+
+/// Number of elements of an array of these dimensions, of which the first that is 0 is none; without dimensions 1.
+pub fn elements_of(dimensions: &[u32]) -> u32 {
+    let sizes = dimensions.iter().take_while(|size| **size > 0);
+    sizes.fold(1, |all, size| all.saturating_mul(*size))
 }
 
 #[cfg(test)]

@@ -11,10 +11,12 @@ mod splice;
 mod warm_start;
 mod warm_start_joined;
 
+use std::ops::Range;
+
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::search::Search;
 use crate::extend::splice::{brakes_from, braking_time, splice};
-use crate::plan::{can_pass, is_dense};
+use crate::plan::{between_stops, is_dense};
 use crate::section::Missed;
 use crate::solve::stages::Quality;
 use crate::tuning::{SlowDown, TUNING};
@@ -68,13 +70,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         return None;
     }
     // The section of the end begins after the last stop.
-    let begin = (1..=old)
-        .rev()
-        .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
-        .unwrap_or(0);
-    let end = (old + 1..moves.len())
-        .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
-        .unwrap_or(moves.len());
+    let Range { start: begin, end } = between_stops(moves, old);
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let plan = |search: Search<'_>, share: f64| {
         let most = moves.len() - old;

@@ -1,8 +1,10 @@
 //! Planning a running trajectory anew, with other speeds or rates. Position units and seconds.
 
+use std::ops::Range;
+
 use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
-use crate::plan::{PlanningTime, can_pass, qualities};
+use crate::plan::{PlanningTime, between_stops, qualities};
 use crate::tuning::{SlowDown, TUNING};
 use crate::{ExtensionRequest, Trajectory};
 
@@ -41,13 +43,7 @@ pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     (0..TUNING.extend.attempts).find_map(|attempt| {
         let first = earliest + TUNING.extend.later_s * f64::from(attempt);
         let here = on(first).min(moves.len() - 1);
-        let begin = (1..=here)
-            .rev()
-            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
-            .unwrap_or(0);
-        let end = (here + 1..moves.len())
-            .find(|&k| !can_pass(&moves[k - 1], &moves[k]))
-            .unwrap_or(moves.len());
+        let Range { start: begin, end } = between_stops(moves, here);
         let splice = splice(&running, passed + begin, &moves[begin..end], limits, first)?;
         let whole = qualities(&moves[begin..end], PlanningTime::Unlimited).find_map(|quality| {
             let continuation = Continuation {

@@ -3,7 +3,7 @@
 //! An InOut parameter is an alias of the other end of its connection. Values of Input parameters are copied before the scan of their program, those
 //! of Output parameters behind it. A Public parameter is a tag of the program that others name.
 
-use arcline_routine::source::{Connection, Project};
+use arcline_routine::source::{Connection, Project, TagSource};
 use arcline_routine::{Finding, FindingKind};
 use roxmltree::Node;
 
@@ -41,7 +41,10 @@ pub(super) fn connections(controller: Node<'_, '_>, project: &mut Project) {
         let tag = tag_of(project, program, name);
         if tag.is_some_and(|tag| tag.alias.is_none()) {
             let reason = "is a parameter by reference (InOut) without a connection";
-            find(project, Some(program), name, reason.to_owned());
+            project.findings.push(Finding {
+                program: Some((*program).to_owned()),
+                ..Finding::new(FindingKind::Tag, name, reason.to_owned())
+            });
         }
     }
 }
@@ -92,28 +95,13 @@ fn connect(one: End<'_>, other: End<'_>, project: &mut Project) {
         "its connection with {} does not take place: neither is an Input, Output or InOut parameter",
         other.text
     );
-    find(project, None, one.text, reason);
+    project.findings.push(Finding::new(FindingKind::Tag, one.text, reason));
 }
 
-fn tag_of<'p>(
-    project: &'p mut Project,
-    program: &str,
-    name: &str,
-) -> Option<&'p mut arcline_routine::source::TagSource> {
+fn tag_of<'p>(project: &'p mut Project, program: &str, name: &str) -> Option<&'p mut TagSource> {
     let of = project
         .programs
         .iter_mut()
         .find(|one| one.name.eq_ignore_ascii_case(program))?;
     of.tags.iter_mut().find(|tag| tag.name.eq_ignore_ascii_case(name))
-}
-
-fn find(project: &mut Project, program: Option<&str>, name: &str, reason: String) {
-    project.findings.push(Finding {
-        kind: FindingKind::Tag,
-        name: name.to_owned(),
-        reason,
-        program: program.map(str::to_owned),
-        routine: None,
-        place: None,
-    });
 }

@@ -16,7 +16,7 @@ pub(super) fn program(node: Node<'_, '_>, program: ProgramSource, findings: &mut
         "EquipmentPhase" => "an equipment phase is not supported".to_owned(),
         other => format!("a program of the type {other} is not supported"),
     };
-    findings.push(finding(FindingKind::Program, &program.name, reason));
+    findings.push(Finding::new(FindingKind::Program, &program.name, reason));
     ProgramSource {
         main: None,
         fault: None,
@@ -31,7 +31,7 @@ pub(super) fn task(node: Node<'_, '_>, task: TaskSource, findings: &mut Vec<Find
         return Some(task);
     }
     let reason = "a task of safety is not supported".to_owned();
-    findings.push(finding(FindingKind::Task, &task.name, reason));
+    findings.push(Finding::new(FindingKind::Task, &task.name, reason));
     None
 }
 
@@ -50,7 +50,7 @@ pub(super) fn edits(owner: Node<'_, '_>, findings: &mut Vec<Finding>) {
             findings.push(Finding {
                 program: owner.attribute("Name").map(str::to_owned),
                 routine: routine.attribute("Name").map(str::to_owned),
-                ..finding(FindingKind::Error, "text", reason)
+                ..Finding::new(FindingKind::Error, "text", reason)
             });
         }
     }
@@ -58,15 +58,4 @@ pub(super) fn edits(owner: Node<'_, '_>, findings: &mut Vec<Finding>) {
 
 fn is_of_safety(node: Node<'_, '_>) -> bool {
     node.attribute("Class") == Some("Safety")
-}
-
-pub(super) fn finding(kind: FindingKind, name: &str, reason: String) -> Finding {
-    Finding {
-        kind,
-        name: name.to_owned(),
-        reason,
-        program: None,
-        routine: None,
-        place: None,
-    }
 }

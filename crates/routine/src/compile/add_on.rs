@@ -1,6 +1,6 @@
 //! Add-on instructions (spec/programs.md §13): compiled once, called with the instance and references as bases.
 
-use arcline_tag::{DataType, Elementary};
+use arcline_tag::{DataType, Elementary, elements_of};
 
 use super::operand::parse;
 use super::reference::Found;
@@ -215,11 +215,10 @@ impl Compiler<'_> {
         if place.base == 0 && matches!(found.data_type, DataType::Structure(_)) && place.index.is_empty() {
             self.share_if_motion(&found.data_type, place.at);
         }
-        let elements: u32 = found.dimensions.iter().filter(|size| **size > 0).product();
         let sizes = Sizes {
             dimensions: found.dimensions,
             bits: found.bits.unwrap_or_default(),
-            bytes: elements * found.data_type.size() as u32,
+            bytes: elements_of(&found.dimensions) * found.data_type.size() as u32,
         };
         Ok(Referenced {
             place,

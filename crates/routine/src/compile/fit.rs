@@ -46,10 +46,7 @@ pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
 /// Whether a value that a call gives has a place in a tag that takes it.
 pub(crate) fn transfers(from: &Argument, to: &Argument) -> Result<(), Wrong> {
     let fits = match (from, to) {
-        (Argument::Area(from), Argument::Area(to)) => match (&from.data_type, &to.data_type) {
-            (DataType::Elementary(_), DataType::Elementary(_)) => true,
-            (from, to) => from.name().eq_ignore_ascii_case(to.name()),
-        },
+        (Argument::Area(from), Argument::Area(to)) => are_alike(from, to),
         (Argument::Area(_) | Argument::Text(_), _) | (_, Argument::Area(_) | Argument::Text(_)) => false,
         _ => true,
     };
@@ -63,10 +60,7 @@ pub(crate) fn transfers(from: &Argument, to: &Argument) -> Result<(), Wrong> {
 fn fill(from: &Argument, to: &Area) -> Result<(), Wrong> {
     let fits = match from {
         Argument::Bit(_) | Argument::Text(_) => false,
-        Argument::Area(from) => match (&from.data_type, &to.data_type) {
-            (DataType::Elementary(_), DataType::Elementary(_)) => true,
-            (from, to) => from.name().eq_ignore_ascii_case(to.name()),
-        },
+        Argument::Area(from) => are_alike(from, to),
         _ => true,
     };
     if fits {
@@ -84,8 +78,7 @@ fn fill(from: &Argument, to: &Area) -> Result<(), Wrong> {
 fn queue(array: &Area, name: &str, value: &Argument, loads: bool) -> Result<(), Wrong> {
     let fits = match (value, &array.data_type) {
         (Argument::Area(one), _) if is_word_of_bits(one) => false,
-        (Argument::Area(one), DataType::Elementary(_)) => matches!(one.data_type, DataType::Elementary(_)),
-        (Argument::Area(one), of) => one.data_type.name().eq_ignore_ascii_case(of.name()),
+        (Argument::Area(one), _) => are_alike(one, array),
         (Argument::Integer(_) | Argument::Real(_), DataType::Elementary(_)) => loads,
         _ => false,
     };
@@ -97,6 +90,14 @@ fn queue(array: &Area, name: &str, value: &Argument, loads: bool) -> Result<(), 
             described(value),
             array.data_type.name()
         ))
+    }
+}
+
+/// Both are numbers, or structures of one type.
+fn are_alike(one: &Area, other: &Area) -> bool {
+    match (&one.data_type, &other.data_type) {
+        (DataType::Elementary(_), DataType::Elementary(_)) => true,
+        (one, other) => one.name().eq_ignore_ascii_case(other.name()),
     }
 }
 

@@ -59,14 +59,8 @@ impl Compiler<'_> {
         match rung {
             Ok(rung) => Some(Rung::new(number, self.nodes(&rung.elements))),
             Err(reason) => {
-                self.findings.push(Finding {
-                    kind: FindingKind::Tag,
-                    name: to.clone(),
-                    reason: format!("its connection with {from} does not take place: {reason}"),
-                    program: None,
-                    routine: None,
-                    place: None,
-                });
+                let reason = format!("its connection with {from} does not take place: {reason}");
+                self.findings.push(Finding::new(FindingKind::Tag, to, reason));
                 None
             }
         }

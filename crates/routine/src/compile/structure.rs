@@ -11,14 +11,6 @@ impl Compiler<'_> {
     /// Names tasks and programs that lead nowhere. A program that no task runs may be a part of another project.
     pub(super) fn structure(&mut self) {
         let project = self.project;
-        let find = |kind, name: &str, reason: String| Finding {
-            kind,
-            name: name.to_owned(),
-            reason,
-            program: None,
-            routine: None,
-            place: None,
-        };
         let program_of = |name: &str| project.programs.iter().find(|one| one.name.eq_ignore_ascii_case(name));
         let mut continuous: Option<&str> = None;
         let mut programs = Vec::new();
@@ -28,7 +20,7 @@ impl Compiler<'_> {
                     Some(program) => programs.push(program),
                     None => {
                         let reason = format!("there is no program {name}, which it runs");
-                        self.findings.push(find(FindingKind::Task, &task.name, reason));
+                        self.findings.push(Finding::new(FindingKind::Task, &task.name, reason));
                     }
                 }
             }
@@ -39,7 +31,7 @@ impl Compiler<'_> {
                 None => continuous = Some(&task.name),
                 Some(first) => {
                     let reason = format!("it does not run, since {first} is continuous too");
-                    self.findings.push(find(FindingKind::Task, &task.name, reason));
+                    self.findings.push(Finding::new(FindingKind::Task, &task.name, reason));
                     if let Some(task) = self.code.tasks.get_mut(number) {
                         task.is_inhibited = true;
                     }
@@ -51,7 +43,7 @@ impl Compiler<'_> {
                 Some(program) => programs.push(program),
                 None => {
                     let reason = "there is no such program, which is to handle major faults".to_owned();
-                    self.findings.push(find(FindingKind::Program, name, reason));
+                    self.findings.push(Finding::new(FindingKind::Program, name, reason));
                 }
             }
         }
@@ -63,7 +55,7 @@ impl Compiler<'_> {
             {
                 if !program.routines.iter().any(|one| one.name.eq_ignore_ascii_case(name)) {
                     let reason = format!("there is no routine {name}, its {role} routine");
-                    let finding = find(FindingKind::Program, &program.name, reason);
+                    let finding = Finding::new(FindingKind::Program, &program.name, reason);
                     if !self.findings.contains(&finding) {
                         self.findings.push(finding);
                     }

@@ -20,14 +20,11 @@ impl Compiler<'_> {
                     let delay = u64::from(wire.delay_ms) * 1_000_000;
                     self.code.wires.push(Wire { from, to, delay });
                 }
-                (Err((name, reason)), _) | (_, Err((name, reason))) => self.findings.push(Finding {
-                    kind: FindingKind::Error,
-                    name: format!("wire from {} to {}", wire.from, wire.to),
-                    reason: format!("{name}: {reason}"),
-                    program: None,
-                    routine: None,
-                    place: None,
-                }),
+                (Err((name, reason)), _) | (_, Err((name, reason))) => self.findings.push(Finding::new(
+                    FindingKind::Error,
+                    &format!("wire from {} to {}", wire.from, wire.to),
+                    format!("{name}: {reason}"),
+                )),
             }
         }
     }

@@ -132,10 +132,12 @@ impl<'d> FirstValues<'d> {
                 let length = text.len().min(bytes.len());
                 put(bytes, text.get(..length).unwrap_or_default());
             }
-            // Characters in place of a number: the first one is the highest byte.
+            // Characters in place of a number.
             (Datum::Text(text), DataType::Elementary(kind)) if !is_array && text.len() <= kind.size() => {
-                let whole = text.iter().fold(0_u64, |value, byte| value << 8 | u64::from(*byte));
-                put(bytes, whole.to_le_bytes().get(..kind.size()).unwrap_or_default());
+                put(
+                    bytes,
+                    of_characters(text).to_le_bytes().get(..kind.size()).unwrap_or_default(),
+                );
             }
             (Datum::Structure(_, members), DataType::Structure(template)) => {
                 for (name, value) in members {
@@ -256,9 +258,8 @@ fn literal(text: &str) -> Option<(i64, f64)> {
     let constant = |expression: &Expression| match expression {
         Expression::Integer(value) => Some((*value, *value as f64)),
         Expression::Real(value) => Some((value.round_ties_even() as i64, *value)),
-        // Radix ASCII: the first character is the highest byte.
         Expression::Text(bytes) => {
-            let whole = bytes.iter().fold(0_i64, |value, byte| value << 8 | i64::from(*byte));
+            let whole = of_characters(bytes);
             Some((whole, whole as f64))
         }
         _ => None,
@@ -269,6 +270,11 @@ fn literal(text: &str) -> Option<(i64, f64)> {
         }
         expression => constant(&expression),
     }
+}
+
+/// The number of the radix ASCII: the first character is the highest byte.
+fn of_characters(bytes: &[u8]) -> i64 {
+    bytes.iter().fold(0, |value, byte| value << 8 | i64::from(*byte))
 }
 
 /// The parts of a second since 1970 of a date, `2020-01-31-12:00:00.000_000Z` or with a zone, `(UTC-05:00)`.

@@ -1,6 +1,6 @@
 //! FAL, FSC, AVE, STD, SRT (spec/programs.md §10.6).
 
-use arcline_tag::{DataType, Elementary};
+use arcline_tag::{DataType, Elementary, elements_of};
 
 use super::Number;
 use super::{Run, Scan};
@@ -224,8 +224,7 @@ impl Scan<'_> {
     /// Bytes from one element to the next along a dimension.
     fn stride_of(&self, area: &Area, dimension: usize) -> u32 {
         let (_, dimensions) = self.shape(area);
-        let inner = dimensions.iter().skip(dimension + 1).filter(|size| **size > 0);
-        area.size * inner.product::<u32>()
+        area.size * elements_of(dimensions.get(dimension + 1..).unwrap_or_default())
     }
 
     fn exchange(&mut self, a: u32, b: u32, kind: Elementary) {

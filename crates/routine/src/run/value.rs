@@ -1,6 +1,6 @@
 //! Values: places to addresses, expressions to numbers, numbers to the memory.
 
-use arcline_tag::Elementary;
+use arcline_tag::{Elementary, elements_of};
 
 use super::{Exit, Run, Scan};
 use crate::code::{
@@ -42,7 +42,7 @@ impl Scan<'_> {
             return (area.length, area.dimensions);
         }
         let dimensions = self.sizes(area.place.base).dimensions;
-        (dimensions.iter().filter(|size| **size > 0).product(), dimensions)
+        (elements_of(&dimensions), dimensions)
     }
 
     /// The address of a place; a subscript out of range is a fault.
@@ -60,10 +60,9 @@ impl Scan<'_> {
                 None => (index.size, index.stride),
                 Some(dimension) => {
                     let sizes = self.sizes(place.base).dimensions;
-                    let mut behind = sizes.iter().skip(usize::from(dimension));
-                    let size = behind.next().copied().unwrap_or_default();
-                    let stride = behind.filter(|size| **size > 0).product::<u32>() * index.stride;
-                    (size, stride)
+                    let sizes = sizes.get(usize::from(dimension)..).unwrap_or_default();
+                    let (size, behind) = sizes.split_first().unwrap_or((&0, &[]));
+                    (*size, elements_of(behind) * index.stride)
                 }
             };
             let element = match u32::try_from(value) {

@@ -95,23 +95,43 @@ fn begin_line(motion: &mut Motion, ticket: Ticket) {
         ("Termination Type", number(1.0)),
     ];
     let line: Vec<_> = line.into_iter().chain(RATES).collect();
-    let shown = motion.execute(ticket, &call(Mnemonic::Mclm, 0, 0, &line));
-    assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
+    accept(motion, ticket, &call(Mnemonic::Mclm, 0, 0, &line));
+}
+
+/// A machine at rest, in its first tick.
+fn at_rest(limits: CommandLimits, action: ExceptionAction) -> Motion {
+    let mut motion = Motion::new(&machine(limits, action));
+    motion.begin(1, &mut AtSetPoints);
+    motion
+}
+
+/// Executes a call, which must be accepted.
+fn accept(motion: &mut Motion, ticket: Ticket, call: &Call) {
+    let shown = motion.execute(ticket, call);
+    assert_eq!((shown.err, shown.exerr), (0, 0), "{}", call.mnemonic);
+}
+
+/// A begins a jog at 200 units/s.
+fn begin_jog(motion: &mut Motion, ticket: Ticket, control: u32) {
+    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
+    accept(motion, ticket, &call(Mnemonic::Maj, 2, control, &jog));
+}
+
+/// Ends the present tick, and runs those from `next` to 399.
+fn get_up_to_speed(motion: &mut Motion, next: u64) {
+    motion.finish(|_| ());
+    for tick in next..400 {
+        motion.begin(tick, &mut AtSetPoints);
+        motion.finish(|_| ());
+    }
 }
 
 /// A machine in motion: a line of X and Y at 100 units/s, a jog of A at 200, all at their speed.
 fn moving(limits: CommandLimits, action: ExceptionAction) -> Motion {
-    let mut motion = Motion::new(&machine(limits, action));
-    motion.begin(1, &mut AtSetPoints);
+    let mut motion = at_rest(limits, action);
     begin_line(&mut motion, Ticket(1));
-    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
-    let shown = motion.execute(Ticket(2), &call(Mnemonic::Maj, 2, 1, &jog));
-    assert_eq!((shown.err, shown.exerr), (0, 0), "MAJ");
-    motion.finish(|_| ());
-    for tick in 2..400 {
-        motion.begin(tick, &mut AtSetPoints);
-        motion.finish(|_| ());
-    }
+    begin_jog(&mut motion, Ticket(2), 1);
+    get_up_to_speed(&mut motion, 2);
     motion
 }
 
@@ -287,17 +307,8 @@ fn limits_are_those_of_the_axis() {
 
 #[test]
 fn a_slave_stops_with_its_master() {
-    let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
-    motion.begin(1, &mut AtSetPoints);
-    let jog = [
-        ("Speed", number(200.0)),
-        ("Accel Rate", number(1000.0)),
-        ("Decel Rate", number(1000.0)),
-        ("Accel Jerk", number(100.0)),
-        ("Decel Jerk", number(100.0)),
-        ("Jerk Units", number(2.0)),
-    ];
-    motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
+    let mut motion = at_rest(CommandLimits::default(), ExceptionAction::StopPlanner);
+    begin_jog(&mut motion, Ticket(1), 0);
     let gear = [
         ("Master Axis", Argument::Object(2)),
         ("Ratio", number(1.0)),
@@ -306,13 +317,8 @@ fn a_slave_stops_with_its_master() {
         ("Master Reference", number(1.0)),
         ("Accel Rate", number(1000.0)),
     ];
-    let shown = motion.execute(Ticket(2), &call(Mnemonic::Mag, 0, 1, &gear));
-    assert_eq!((shown.err, shown.exerr), (0, 0), "MAG");
-    motion.finish(|_| ());
-    for tick in 2..400 {
-        motion.begin(tick, &mut AtSetPoints);
-        motion.finish(|_| ());
-    }
+    accept(&mut motion, Ticket(2), &call(Mnemonic::Mag, 0, 1, &gear));
+    get_up_to_speed(&mut motion, 2);
     assert_eq!(sent(&motion)[0][1], 200.0, "the slave follows");
     motion.axes[AxisId(2)].sum.redefine(5.0);
     let run = run(&mut motion, 400);
@@ -329,13 +335,10 @@ fn a_system_stops_with_its_master() {
         (0.3, &[(2, "MAJ")]),
         (0.001, &[(2, "MAJ")]),
     ] {
-        let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
-        motion.begin(1, &mut AtSetPoints);
-        let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
-        motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
+        let mut motion = at_rest(CommandLimits::default(), ExceptionAction::StopPlanner);
+        begin_jog(&mut motion, Ticket(1), 0);
         let master = [("Master Axis", Argument::Object(2)), ("Master Reference", number(1.0))];
-        let shown = motion.execute(Ticket(2), &call(Mnemonic::Mdcc, 0, 1, &master));
-        assert_eq!((shown.err, shown.exerr), (0, 0), "MDCC");
+        accept(&mut motion, Ticket(2), &call(Mnemonic::Mdcc, 0, 1, &master));
         let line = [
             ("Position", Argument::Array(RealArray::from_slice(&[6000.0, 0.0]))),
             ("Speed", number(ratio)),
@@ -350,13 +353,8 @@ fn a_system_stops_with_its_master() {
             ("Lock Direction", number(1.0)),
             ("Termination Type", number(1.0)),
         ];
-        let shown = motion.execute(Ticket(3), &call(Mnemonic::Mclm, 0, 2, &line));
-        assert_eq!((shown.err, shown.exerr), (0, 0), "MCLM");
-        motion.finish(|_| ());
-        for tick in 2..400 {
-            motion.begin(tick, &mut AtSetPoints);
-            motion.finish(|_| ());
-        }
+        accept(&mut motion, Ticket(3), &call(Mnemonic::Mclm, 0, 2, &line));
+        get_up_to_speed(&mut motion, 2);
         let [[_, x], ..] = sent(&motion);
         assert!((x - 200.0 * ratio).abs() < 1e-9, "{ratio}: X follows at {x}");
         motion.axes[AxisId(2)].sum.redefine(5.0);
@@ -374,21 +372,12 @@ fn a_system_stops_with_its_master() {
 
 #[test]
 fn the_report_names_the_generator_that_jumped() {
-    let mut motion = Motion::new(&machine(CommandLimits::default(), ExceptionAction::StopPlanner));
-    motion.begin(1, &mut AtSetPoints);
-    let jog: Vec<_> = [("Speed", number(200.0))].into_iter().chain(RATES).collect();
-    motion.execute(Ticket(1), &call(Mnemonic::Maj, 2, 0, &jog));
-    let slow: Vec<_> = [("Position", number(500.0)), ("Speed", number(20.0))]
-        .into_iter()
-        .chain(RATES)
-        .collect();
-    let shown = motion.execute(Ticket(2), &call(Mnemonic::Mam, 2, 1, &slow));
-    assert_eq!((shown.err, shown.exerr), (0, 0), "MAM");
-    motion.finish(|_| ());
-    for tick in 2..400 {
-        motion.begin(tick, &mut AtSetPoints);
-        motion.finish(|_| ());
-    }
+    let mut motion = at_rest(CommandLimits::default(), ExceptionAction::StopPlanner);
+    begin_jog(&mut motion, Ticket(1), 0);
+    let slow = [("Position", number(500.0)), ("Speed", number(20.0))];
+    let slow: Vec<_> = slow.into_iter().chain(RATES).collect();
+    accept(&mut motion, Ticket(2), &call(Mnemonic::Mam, 2, 1, &slow));
+    get_up_to_speed(&mut motion, 2);
     let now = motion.clock.now();
     let slow = motion.axes[AxisId(2)].sum.get_mut(GeneratorKind::Move).expect("moves");
     let limits = Limits {
@@ -439,14 +428,9 @@ fn a_defect_behind_a_transform_stops_both_of_its_sides() {
             ("Orientation", zeros),
             ("Translation", zeros),
         ];
-        let shown = motion.execute(Ticket(1), &call(Mnemonic::Mct, 0, 1, &pair));
-        assert_eq!((shown.err, shown.exerr), (0, 0), "MCT");
+        accept(&mut motion, Ticket(1), &call(Mnemonic::Mct, 0, 1, &pair));
         begin_line(&mut motion, Ticket(2));
-        motion.finish(|_| ());
-        for tick in 3..400 {
-            motion.begin(tick, &mut AtSetPoints);
-            motion.finish(|_| ());
-        }
+        get_up_to_speed(&mut motion, 3);
         let [x, y, a] = sent(&motion).map(|[_, velocity]| velocity);
         assert!((x - 60.0).abs() < 1e-9 && (y - 80.0).abs() < 1e-9, "{why}: {x} {y}");
         assert!((a - x).abs() < 1e-9, "{why}: the target follows, {a}");
