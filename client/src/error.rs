@@ -109,6 +109,14 @@ pub enum ClientError {
         /// The cause, where the server has it.
         ended: Option<Box<Ended>>,
     },
+    /// The server has dropped the record of an instruction that is waited for.
+    #[error("the server no longer knows {mnemonic} {target}; the motion may go on")]
+    Forgotten {
+        /// The instruction.
+        mnemonic: Mnemonic,
+        /// The motion object it acts on.
+        target: String,
+    },
     /// The awaited bit was not set before the deadline.
     #[error("{flag} did not come within {} s", after.as_secs_f64())]
     Deadline {

@@ -13,8 +13,18 @@ use arcline_proto::logix::{Typed, encode_operands};
 use arcline_proto::wire::Reader;
 use arcline_tag::{Elementary, Value};
 
-use crate::{Client, ClientError};
+use crate::{Client, ClientError, TagValue};
 
+/// The status bits of an axis in motion.
+const AXIS_MOVES: &[&str] = &[
+    "MoveStatus",
+    "JogStatus",
+    "HomingStatus",
+    "StoppingStatus",
+    "CoordinatedMotionStatus",
+];
+/// The status bits of a coordinate system in motion.
+const SYSTEM_MOVES: &[&str] = &["MotionStatus", "MoveStatus", "MoveTransitionStatus", "StoppingStatus"];
 /// Time between two reads of an instruction's status.
 const POLL: Duration = Duration::from_millis(5);
 
@@ -27,7 +37,7 @@ pub struct Execution {
     pub target: String,
     /// Its motion control tag; empty: none.
     pub tag: String,
-    /// Instance of class 0x0303; the server keeps the newest 4,096.
+    /// Instance of class 0x0303; the server keeps the newest 4,096, and older ones that run.
     pub instance: u32,
     /// Its status when the server answered.
     pub control: MotionControl,
@@ -157,7 +167,7 @@ impl Client {
     /// The status of an executed instruction.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] with 0x16 when the server has dropped it; otherwise an error of the connection.
+    /// [`ClientError::Refused`] with 0x16 when the server has dropped it, long after its end; otherwise an error of the connection.
     pub async fn instruction(&self, instance: u32) -> Result<MotionControl, ClientError> {
         let path = Epath::object(execution::CLASS, instance);
         let what = "the instruction's status";
@@ -172,7 +182,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Motion`] when the instruction errs, [`ClientError::Ended`] when the motion ends without the bit,
-    /// [`ClientError::Deadline`]; otherwise as [`Client::instruction`].
+    /// [`ClientError::Deadline`], [`ClientError::Forgotten`]; otherwise as [`Client::instruction`].
     pub async fn wait_for(
         &self,
         execution: &Execution,
@@ -181,7 +191,13 @@ impl Client {
     ) -> Result<MotionControl, ClientError> {
         let end = Instant::now() + deadline;
         loop {
-            let control = self.instruction(execution.instance).await?;
+            let control = match self.instruction(execution.instance).await {
+                Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {
+                    let (mnemonic, target) = (execution.mnemonic, execution.target.clone());
+                    return Err(ClientError::Forgotten { mnemonic, target });
+                }
+                control => control?,
+            };
             if let Some(result) = outcome(&control, flag, Some(execution.mnemonic)) {
                 return match result {
                     Err(ClientError::Ended { flag, control, .. }) => {
@@ -196,6 +212,20 @@ impl Client {
             }
             tokio::time::sleep(POLL).await;
         }
+    }
+
+    /// Whether an axis or a coordinate system moves, is in the process of an instruction, or is being stopped, as its tag shows.
+    ///
+    /// # Errors
+    /// As [`Client::read`].
+    pub async fn is_moving(&self, target: &str) -> Result<bool, ClientError> {
+        let reading = self.read(target).await?;
+        let bits = match reading.member("CommandVelocity").and_then(TagValue::as_f64) {
+            Some(velocity) if velocity != 0.0 => return Ok(true),
+            Some(_) => AXIS_MOVES,
+            None => SYSTEM_MOVES,
+        };
+        Ok(bits.iter().any(|bit| reading.flag(bit)))
     }
 
     /// Refuses a target of another kind than the instruction acts on: the service of one instruction on axes is that of another

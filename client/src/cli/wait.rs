@@ -62,9 +62,24 @@ pub(crate) async fn complete(
                 }),
                 ended => Ok(Completed { control, ended }),
             },
+            Err(error @ ClientError::Forgotten { .. }) => Err(at_rest(client, execution, error, output).await),
             result => Ok(result?.into()),
         },
         () = interrupted() => Err(interrupt(client, stopping, output).await),
+    }
+}
+
+/// Waits until the object of an instruction that the server no longer knows is at rest: until then Ctrl-C still stops it. The failure of
+/// the wait, since the end of the instruction is not known.
+async fn at_rest(client: &Client, execution: &Execution, error: ClientError, output: &Output) -> Failure {
+    let target = &execution.target;
+    output.note(&format!("{error}: waiting until {target} is at rest, Ctrl-C stops it"));
+    loop {
+        match client.is_moving(target).await {
+            Ok(true) => tokio::time::sleep(REFRESH).await,
+            Ok(false) => return error.into(),
+            Err(error) => return error.into(),
+        }
     }
 }
 

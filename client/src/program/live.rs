@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use arcline_instruction_set::{Flag, MotionControl};
+use arcline_instruction_set::{Flag, Mnemonic, MotionControl};
 use arcline_proto::cip::CipStatus;
 use arcline_structured_text::{
     Called, Calls, Driver, EvaluatedCall, Moves, ObjectAttribute, Outcome, Pause, Progress, Reading, Stopped,
-    pause_of_queue, unmade_control,
+    is_status, pause_of_queue, unmade_control,
 };
 use arcline_tag::{PathSegment, TagPath, Value};
 
@@ -80,6 +80,29 @@ impl Driver for Live<'_> {
         self.client.write(&path.to_string(), WriteValue::from(value)).await
     }
 
+    async fn enable(
+        &mut self,
+        path: &TagPath,
+        value: Value,
+    ) -> Result<Option<(Mnemonic, Progress<ClientError>)>, ClientError> {
+        let tag = path.tag().unwrap_or_default();
+        let mnemonic = match self.client.tag(tag).await {
+            Ok(known) => known.type_name().parse::<Mnemonic>().ok(),
+            Err(_) => None,
+        };
+        let path = path.to_string();
+        let executes = match mnemonic {
+            Some(_) => self.client.read(&path).await?.as_bool() == Some(false),
+            None => false,
+        };
+        self.client.write(&path, WriteValue::from(value)).await?;
+        let Some(mnemonic) = mnemonic.filter(|_| executes) else {
+            return Ok(None);
+        };
+        let control = status_of(&self.client.read(tag).await?);
+        Ok(Some((mnemonic, progress(mnemonic, &control))))
+    }
+
     async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, ClientError> {
         self.client.attribute(of.attribute, &of.name).await
     }
@@ -143,7 +166,8 @@ impl Driver for Live<'_> {
 
     async fn progress(&mut self, called: &Called<Execution>) -> Result<Progress<ClientError>, ClientError> {
         let Some(execution) = &called.execution else {
-            return Ok(Progress::Ended);
+            let control = status_of(&self.client.read(&called.tag).await?);
+            return Ok(progress(called.mnemonic, &control));
         };
         let control = match self.client.instruction(execution.instance).await {
             Ok(control) => control,
@@ -153,12 +177,7 @@ impl Driver for Live<'_> {
             }
             Err(error) => return Err(error),
         };
-        let mnemonic = execution.mnemonic;
-        Ok(Progress::of(mnemonic, &control, || ClientError::Motion {
-            mnemonic: Some(mnemonic),
-            err: control.err,
-            exerr: control.exerr,
-        }))
+        Ok(progress(execution.mnemonic, &control))
     }
 
     async fn stopped(&mut self, called: &Called<Execution>) -> Result<Option<Stopped<ClientError>>, ClientError> {
@@ -185,7 +204,7 @@ impl Driver for Live<'_> {
                 let control = self.client.instruction(execution.instance).await?;
                 (control, self.client.ending(execution.instance).await?)
             }
-            None => (control_of(&self.client.read(tag).await?), None),
+            None => (status_of(&self.client.read(tag).await?), None),
         };
         Ok(Outcome {
             call: called.map(|called| (called.mnemonic, called.line)),
@@ -213,22 +232,36 @@ impl Driver for Live<'_> {
     }
 }
 
-/// The member of a motion control tag that the program has used. The client reads the whole tag, since its bits show whether it
-/// can still change. `None`: the name is not that of a motion control tag.
+/// The progress that the status of an instruction shows.
+fn progress(mnemonic: Mnemonic, control: &MotionControl) -> Progress<ClientError> {
+    Progress::of(mnemonic, control, || ClientError::Motion {
+        mnemonic: Some(mnemonic),
+        err: control.err,
+        exerr: control.exerr,
+    })
+}
+
+/// The member of a motion control tag that the program has used, or the status of an instruction tag whose EnableIn it has set. The client
+/// reads the whole tag, since its bits show whether it can still change. `None`: the path is not that of such a member.
 async fn read_control(
     client: &Client,
     path: &TagPath,
     calls: &Calls<Execution>,
 ) -> Result<Option<Reading>, ClientError> {
-    let [PathSegment::Symbol(tag), PathSegment::Symbol(member)] = path.0.as_slice() else {
+    let Some(tag) = path.tag().filter(|tag| calls.newest(tag).is_some() && is_status(path)) else {
         return Ok(None);
     };
-    if calls.newest(tag).is_none() {
-        return Ok(None);
-    }
     let reading = client.read(tag).await?;
-    let value = reading.member(member).and_then(TagValue::value);
-    Ok(value.map(|value| match control_of(&reading).has_ended() {
+    // The path of a status bit of an instruction tag may omit `MotionControl`.
+    let control = reading.member(MOTION_CONTROL);
+    let status = control.unwrap_or(&reading);
+    let value = match &path.0[1..] {
+        [PathSegment::Symbol(member)] => status.member(member),
+        [PathSegment::Symbol(_), PathSegment::Symbol(member)] if control.is_some() => status.member(member),
+        _ => None,
+    };
+    let value = value.and_then(TagValue::value);
+    Ok(value.map(|value| match control_of(status).has_ended() {
         true => Reading::Settled(value),
         false => Reading::Value(value),
     }))
@@ -245,6 +278,14 @@ async fn delay(client: &Client, seconds: f64) -> Result<(), ClientError> {
     tokio::time::sleep(left).await;
     Ok(())
 }
+
+/// The status that a motion control tag or an instruction tag shows.
+fn status_of(reading: &TagValue) -> MotionControl {
+    control_of(reading.member(MOTION_CONTROL).unwrap_or(reading))
+}
+
+/// The member of an instruction tag that is its MOTION_INSTRUCTION.
+const MOTION_CONTROL: &str = "MotionControl";
 
 /// The bits, ERR and EXERR of a motion control tag that was read.
 fn control_of(reading: &TagValue) -> MotionControl {

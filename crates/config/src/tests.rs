@@ -540,7 +540,7 @@ fn tags_that_cannot_be_say_why() {
         ("[[tag]]\nname = \"A\"\ntype = \"Q\"", "[[data_type]]"),
         ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION\"\nprogram = \"Main\"", "in the controller's scope"),
         ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION\"\nvalue = { ERR = 1 }", "only instructions write"),
-        ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION[2]\"", "or a [[data_type]]"),
+        ("[[tag]]\nname = \"A\"\ntype = \"MOTION_INSTRUCTION[2]\"", "MOTION_INSTRUCTION, which has no arrays"),
         ("[[tag]]\nname = \"A\"\ntype = \"SINT\"\nvalue = 128", "a number that the type holds"),
         ("[[tag]]\nname = \"A\"\ntype = \"DINT\"\nvalue = 1.5", "a number that the type holds"),
         ("[[tag]]\nname = \"A\"\ntype = \"DINT[2]\"\nvalue = [1]", "a value for every element"),

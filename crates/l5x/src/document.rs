@@ -101,7 +101,8 @@ impl Source<'_> {
     /// Adds an element to the report.
     pub(crate) fn report(&mut self, node: Node<'_, '_>, reason: Reason) {
         let line = self.line(node.range().start);
-        self.report.add(reason, path(node), line);
+        let tag = node.attribute("Name").filter(|_| node.has_tag_name("Tag"));
+        self.report.add(reason, path(node), line, tag);
     }
 
     /// Adds an attribute to the report.
@@ -110,7 +111,7 @@ impl Source<'_> {
             node.attribute_node(name)
                 .map_or(node.range().start, |one| one.range().start),
         );
-        self.report.add(reason, format!("{}/@{name}", path(node)), line);
+        self.report.add(reason, format!("{}/@{name}", path(node)), line, None);
     }
 
     /// Adds attributes and children to the report that the table of [`mapping`] does not have or calls lost.

@@ -31,6 +31,8 @@ pub struct Group {
     pub count: usize,
     /// The first lines, from 1, at most [`Group::LINES`].
     pub lines: Vec<usize>,
+    /// The names of tags on these lines, so that a user finds which tags are missing; empty: the parts are no tags.
+    pub names: Vec<String>,
 }
 
 impl Group {
@@ -62,11 +64,13 @@ impl Report {
         groups.map(|((reason, path), group)| (*reason, path.as_str(), group))
     }
 
-    pub(crate) fn add(&mut self, reason: Reason, path: String, line: usize) {
+    /// `tag`: the name, where the part is a tag.
+    pub(crate) fn add(&mut self, reason: Reason, path: String, line: usize, tag: Option<&str>) {
         let group = self.groups.entry((reason, path)).or_default();
         group.count += 1;
         if group.lines.len() < Group::LINES && group.lines.last() != Some(&line) {
             group.lines.push(line);
+            group.names.extend(tag.map(str::to_owned));
         }
     }
 }
@@ -85,7 +89,16 @@ impl fmt::Display for Report {
             let lines: Vec<String> = group.lines.iter().map(usize::to_string).collect();
             let more = if group.count > group.lines.len() { ", …" } else { "" };
             let word = if group.count == 1 { "line" } else { "lines" };
-            writeln!(f, "  {} × {path}, {word} {}{more}", group.count, lines.join(", "))?;
+            let names = match group.names.as_slice() {
+                [] => String::new(),
+                names => format!(" ({}{more})", names.join(", ")),
+            };
+            writeln!(
+                f,
+                "  {} × {path}{names}, {word} {}{more}",
+                group.count,
+                lines.join(", ")
+            )?;
         }
         Ok(())
     }

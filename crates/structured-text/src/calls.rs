@@ -6,7 +6,7 @@ use arcline_instruction_set::{Ending, Mnemonic};
 
 use crate::EvaluatedCall;
 
-/// Executions that a program remembers: as many as have instances of class 0x0303.
+/// Executions that a program remembers: as many as the newest ones that have instances of class 0x0303.
 const REMEMBERED: usize = 4096;
 
 /// A call that was executed.
@@ -20,7 +20,7 @@ pub struct Called<X> {
     pub target: String,
     /// Its motion control tag, as written; empty: none.
     pub tag: String,
-    /// Its execution; `None`: it erred at once.
+    /// Its execution; `None`: it erred at once, or EnableIn of the instruction tag [`Called::tag`] began it.
     pub execution: Option<X>,
 }
 
@@ -32,6 +32,17 @@ impl<X> Called<X> {
             target: call.target.clone(),
             tag: call.control.clone().unwrap_or_default(),
             execution,
+        }
+    }
+
+    /// The execution that EnableIn of an instruction tag began.
+    pub(crate) fn enabled(line: usize, mnemonic: Mnemonic, tag: &str) -> Self {
+        Self {
+            line,
+            mnemonic,
+            target: tag.to_owned(),
+            tag: tag.to_owned(),
+            execution: None,
         }
     }
 }
@@ -56,8 +67,10 @@ pub struct Calls<X> {
     running: usize,
     /// The index at which the next read of running executions begins.
     next: usize,
-    /// The newest execution by motion control tag, in lower case.
+    /// The newest execution by motion control tag or instruction tag, in lower case.
     newest: BTreeMap<String, Called<X>>,
+    /// The executions by EnableIn whose end has not been observed, one a tag.
+    enabled: VecDeque<Called<X>>,
 }
 
 impl<X> Default for Calls<X> {
@@ -67,12 +80,13 @@ impl<X> Default for Calls<X> {
             running: 0,
             next: 0,
             newest: BTreeMap::new(),
+            enabled: VecDeque::new(),
         }
     }
 }
 
 impl<X: Clone> Calls<X> {
-    /// The newest call of a motion control tag.
+    /// The newest call of a motion control tag, or the newest execution that EnableIn of an instruction tag began.
     pub fn newest(&self, tag: &str) -> Option<&Called<X>> {
         // Most tags that programs read are not among them: no text is made for these.
         if self.newest.is_empty() {
@@ -101,6 +115,23 @@ impl<X: Clone> Calls<X> {
         }
         self.executed.push_back((CallState::Running, called));
         self.running += 1;
+    }
+
+    /// Adds an execution by EnableIn that runs.
+    pub(crate) fn enable(&mut self, called: Called<X>) {
+        self.enabled
+            .retain(|earlier| !earlier.tag.eq_ignore_ascii_case(&called.tag));
+        self.enabled.push_back(called);
+    }
+
+    /// The number of executions by EnableIn whose end has not been observed.
+    pub(crate) fn enabled(&self) -> usize {
+        self.enabled.len()
+    }
+
+    /// Takes the execution by EnableIn whose progress was read least recently.
+    pub(crate) fn take_enabled(&mut self) -> Option<Called<X>> {
+        self.enabled.pop_front()
     }
 
     /// Whether an instruction of the program ended another one.

@@ -205,6 +205,17 @@ pub trait Driver {
     /// Writes a BOOL or an LREAL; the tag converts it to its own type.
     async fn write(&mut self, path: &TagPath, value: Value) -> Result<(), Self::Error>;
 
+    /// Writes true to the EnableIn of a tag. If it is an instruction tag, and EnableIn was false before: the instruction that it executed, with its
+    /// progress; `None` also where the machine reports its errors by itself.
+    async fn enable(
+        &mut self,
+        path: &TagPath,
+        value: Value,
+    ) -> Result<Option<(Mnemonic, Progress<Self::Error>)>, Self::Error> {
+        self.write(path, value).await?;
+        Ok(None)
+    }
+
     /// The value of an attribute.
     async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, Self::Error>;
 
@@ -249,7 +260,7 @@ pub trait Driver {
     /// Lets time pass.
     async fn pause(&mut self, pause: Pause<'_>) -> Result<(), Self::Error>;
 
-    /// The progress of an execution.
+    /// The progress of an execution; of one without an [`Called::execution`], that of its instruction tag.
     async fn progress(&mut self, called: &Called<Self::Execution>) -> Result<Progress<Self::Error>, Self::Error>;
 
     /// The cause that ended an execution without PC; `None`: the machine does not know it.

@@ -40,6 +40,8 @@ impl Hopeless {
             format!("{what}was {ending}")
         } else if *control == MotionControl::default() {
             "was never executed".to_owned()
+        } else if !control.has(Flag::Pc) {
+            format!("{what}has ended without PC")
         } else {
             format!("{what}has ended")
         };

@@ -36,7 +36,7 @@ pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use hopeless::Hopeless;
 pub use interpreter::{Answer, EvaluatedCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
 pub use program::{CallStatement, Names, ObjectAttribute, OperandText, Program, unmade_control};
-pub use run::ProgramRun;
+pub use run::{ProgramRun, is_status};
 
 #[cfg(test)]
 mod series_tests;

@@ -7,9 +7,9 @@
 //! another kind. So no statement can distinguish them from moves that were executed one after the other; only the line that runs is ahead of
 //! them.
 
-use arcline_instruction_set::{Ending, MotionControl, MotionError};
+use arcline_instruction_set::{Ending, Flag, MotionControl, MotionError};
 
-use arcline_tag::Value;
+use arcline_tag::{PathSegment, TagPath, Value};
 
 use crate::calls::{CallState, Called, Calls};
 use crate::driver::{
@@ -101,7 +101,10 @@ impl<X: Clone> ProgramRun<X> {
                 },
                 Request::ReadArray(path) => Answer::Array(driver.read_array(&path).await.map_err(at)?),
                 Request::Write(path, value) => {
-                    driver.write(&path, value).await.map_err(at)?;
+                    match enabled_tag(&path).filter(|_| value.as_bool()) {
+                        Some(tag) => self.enable(driver, &path, value, tag).await.map_err(at)?,
+                        None => driver.write(&path, value).await.map_err(at)?,
+                    }
                     Answer::Done
                 }
                 Request::GetAttribute(of) => Answer::Value(Value::Lreal(driver.attribute(&of).await.map_err(at)?)),
@@ -251,6 +254,33 @@ impl<X: Clone> ProgramRun<X> {
         }
     }
 
+    /// Writes true to EnableIn. An error of the instruction ends the program as that of a call.
+    async fn enable<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        path: &TagPath,
+        value: Value,
+        tag: &str,
+    ) -> Result<(), D::Error> {
+        let Some((mnemonic, progress)) = driver.enable(path, value).await? else {
+            return Ok(());
+        };
+        self.was_hopeless = false;
+        let called = Called::enabled(self.line(), mnemonic, tag);
+        self.calls.add(called.clone());
+        match progress {
+            Progress::Running => self.calls.enable(called),
+            Progress::Ended | Progress::Incomplete => {}
+            Progress::Erred(error) => {
+                driver.report(&called, &error);
+                if self.policy.on_error == OnError::Stop {
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The pause until the next tick, or an error if the program waits in vain.
     async fn next_tick<D: Driver<Execution = X>>(
         &mut self,
@@ -344,6 +374,23 @@ impl<X: Clone> ProgramRun<X> {
             };
             self.calls.set(index, state);
         }
+        for _ in 0..self.calls.enabled().min(D::MOST_READS) {
+            let Some(called) = self.calls.take_enabled() else {
+                break;
+            };
+            let line = called.line;
+            let at = |error| RunError::Driver { line, error };
+            match driver.progress(&called).await.map_err(at)? {
+                Progress::Running => self.calls.enable(called),
+                Progress::Ended | Progress::Incomplete => {}
+                Progress::Erred(error) => {
+                    driver.report(&called, &error);
+                    if self.policy.on_error == OnError::Stop {
+                        return Err(at(error));
+                    }
+                }
+            }
+        }
         Ok(())
     }
 
@@ -365,6 +412,27 @@ impl<X: Clone> ProgramRun<X> {
     }
 }
 
+/// The tag of a path such as `Move1.EnableIn`.
+fn enabled_tag(path: &TagPath) -> Option<&str> {
+    match path.0.as_slice() {
+        [PathSegment::Symbol(tag), PathSegment::Symbol(member)] if member.eq_ignore_ascii_case("EnableIn") => Some(tag),
+        _ => None,
+    }
+}
+
+/// Whether the part of a motion control tag or an instruction tag at a path is one that only its instruction writes, unlike the operands of
+/// an instruction tag.
+pub fn is_status(path: &TagPath) -> bool {
+    let Some(PathSegment::Symbol(member)) = path.0.get(1) else {
+        return false;
+    };
+    let is = |name: &str| member.eq_ignore_ascii_case(name);
+    is("MotionControl") || STATUS.into_iter().any(is) || Flag::ALL.into_iter().any(|flag| is(flag.name()))
+}
+
+/// The members of MOTION_INSTRUCTION beside its bits.
+const STATUS: [&str; 6] = ["FLAGS", "ERR", "STATUS", "STATE", "SEGMENT", "EXERR"];
+
 /// The execution at which a read of running executions begins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Turn {
@@ -381,6 +449,6 @@ impl Outcome {
     }
 
     fn is_complete(&self) -> bool {
-        self.control.has(arcline_instruction_set::Flag::Pc)
+        self.control.has(Flag::Pc)
     }
 }

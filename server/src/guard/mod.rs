@@ -248,7 +248,7 @@ impl Guard {
         ));
     }
 
-    /// A jog that is held by a button is still meant. `false`: there is none, or it is over.
+    /// The viewer has confirmed that the button of a jog is still held. `false`: there is no such jog, or it has ended.
     pub(crate) fn keep(&self, session: u64, axis: AxisId) -> bool {
         let now = self.now();
         self.table().keep(session, axis, now, now + KEEP_WITHIN)

@@ -81,7 +81,7 @@ impl Table {
         jogs.push(jog);
     }
 
-    /// A jog is still meant. `false`: it is not there, or over.
+    /// Extends a jog that its client has confirmed. `false`: there is no such jog, or it has ended.
     pub(super) fn keep(&mut self, session: u64, axis: AxisId, now: Duration, until: Duration) -> bool {
         let Some(client) = self.clients.get_mut(&session) else {
             return false;

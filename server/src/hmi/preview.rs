@@ -275,7 +275,7 @@ impl Observer for Observations {
                 _ => system.linear().iter().map(|axis| row(usize::from(*axis))).collect(),
             };
             let now: Vec<f64> = position(&self.tools, &|axis| rows[axis][0]);
-            // Arms that hold nothing hold it nowhere.
+            // Where the arms of a delta do not meet, there is no tool position.
             if !is_finite(&now) {
                 continue;
             }

@@ -4,11 +4,12 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use arcline_controller::image::TagKind;
+use arcline_controller::image::{Image, TagKind};
 use arcline_instruction_set::predefined::coordinate_motion_status;
+use arcline_instruction_set::{Mnemonic, MotionControl};
 use arcline_structured_text::{
     Called, Calls, Driver, EvaluatedCall, Interpreter, Moves, MovesEnd, ObjectAttribute, Outcome, Pause, Policy,
-    Program, ProgramRun, Progress, Reading, RunError, Stopped, pause_of_queue,
+    Program, ProgramRun, Progress, Reading, RunError, Stopped, is_status, pause_of_queue,
 };
 use arcline_tag::{TagPath, Value};
 use tokio::sync::watch;
@@ -361,10 +362,8 @@ impl Driver for Live<'_> {
     async fn read(&mut self, path: &TagPath, calls: &Calls<Accepted>) -> Result<Reading, Break> {
         if let Some(called) = path.tag().and_then(|tag| calls.newest(tag)) {
             let read = self.plant.with_image(|image| {
-                let TagKind::MotionControl(slot) = image.find(&called.tag)?.kind else {
-                    return None;
-                };
-                Some((image.control(slot).has_ended(), image.read(path).ok()?))
+                let control = control_of(image, &called.tag)?;
+                Some((control.has_ended() && is_status(path), image.read(path).ok()?))
             });
             if let Some((true, value)) = read {
                 return Ok(Reading::Settled(value));
@@ -384,6 +383,21 @@ impl Driver for Live<'_> {
         };
         tags::write(self.plant, self.principal(), &path.to_string(), &value).await?;
         Ok(())
+    }
+
+    async fn enable(&mut self, path: &TagPath, value: Value) -> Result<Option<(Mnemonic, Progress<Break>)>, Break> {
+        let tag = path.tag().unwrap_or_default();
+        let mnemonic = self.plant.with_image(|image| match image.find(tag)?.kind {
+            TagKind::Instruction(kind) => Some(kind.mnemonic),
+            _ => None,
+        });
+        let executes = mnemonic.is_some() && !read_value(self.plant, path)?.as_bool();
+        self.write(path, value).await?;
+        let Some(mnemonic) = mnemonic.filter(|_| executes) else {
+            return Ok(None);
+        };
+        let control = self.plant.with_image(|image| control_of(image, tag));
+        Ok(Some((mnemonic, progress(mnemonic, &control.unwrap_or_default()))))
     }
 
     async fn attribute(&mut self, of: &ObjectAttribute) -> Result<f64, Break> {
@@ -437,16 +451,11 @@ impl Driver for Live<'_> {
     }
 
     async fn progress(&mut self, called: &Called<Accepted>) -> Result<Progress<Break>, Break> {
-        let control = called
-            .execution
-            .and_then(|accepted| self.plant.instruction_instance(accepted.instance));
-        let Some(control) = control else {
-            return Ok(Progress::Ended);
+        let control = match called.execution {
+            Some(accepted) => self.plant.instruction_instance(accepted.instance),
+            None => self.plant.with_image(|image| control_of(image, &called.tag)),
         };
-        let mnemonic = called.mnemonic;
-        Ok(Progress::of(mnemonic, &control, || {
-            Refusal::motion(control.err, control.exerr, mnemonic).into()
-        }))
+        Ok(control.map_or(Progress::Ended, |control| progress(called.mnemonic, &control)))
     }
 
     async fn stopped(&mut self, called: &Called<Accepted>) -> Result<Option<Stopped<Break>>, Break> {
@@ -466,10 +475,7 @@ impl Driver for Live<'_> {
         let accepted = called.and_then(|called| called.execution);
         let control = match accepted {
             Some(accepted) => self.plant.instruction_instance(accepted.instance),
-            None => self.plant.with_image(|image| match image.find(tag)?.kind {
-                TagKind::MotionControl(slot) => Some(image.control(slot)),
-                _ => None,
-            }),
+            None => self.plant.with_image(|image| control_of(image, tag)),
         };
         let ended = accepted.and_then(|accepted| self.plant.instruction_ending(accepted.instance));
         Ok(Outcome {
@@ -485,6 +491,22 @@ impl Driver for Live<'_> {
             Break::Ended => None,
         }
     }
+}
+
+/// The status that a motion control tag or an instruction tag shows.
+fn control_of(image: &Image, tag: &str) -> Option<MotionControl> {
+    match image.find(tag)?.kind {
+        TagKind::MotionControl(slot) => Some(image.control(slot)),
+        TagKind::Instruction(kind) => Some(image.control(kind.control)),
+        _ => None,
+    }
+}
+
+/// The progress that the status of an instruction shows.
+fn progress(mnemonic: Mnemonic, control: &MotionControl) -> Progress<Break> {
+    Progress::of(mnemonic, control, || {
+        Refusal::motion(control.err, control.exerr, mnemonic).into()
+    })
 }
 
 impl Live<'_> {

@@ -277,16 +277,16 @@ impl Transaction<'_> {
     }
 
     /// Refuses a command on an axis that another principal moves.
-    fn check_alone(&self, command: &Command<'_>) -> Result<(), Refused> {
+    fn check_alone(&mut self, command: &Command<'_>) -> Result<(), Refused> {
         let Some(axis) = policy::alone_on(self.principal, command) else {
             return Ok(());
         };
-        match self.state.motion_tickets.mover_of_axis(&self.state.records, axis) {
-            Some(mover) if mover.principal.viewer() != self.principal.viewer() => Err(Refused::MovedByAnother {
+        match self.state.another_mover(axis, self.principal.viewer()) {
+            Some(mover) => Err(Refused::MovedByAnother {
                 object: MotionObject::Axis(axis).name(&self.shared.machine).to_owned(),
                 mover,
             }),
-            Some(_) | None => Ok(()),
+            None => Ok(()),
         }
     }
 

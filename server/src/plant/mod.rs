@@ -454,7 +454,7 @@ impl Plant {
             brakes
                 || match records.get(ticket) {
                     Some(control) => may_run(control),
-                    // For an old execution, only the state of the axis is known.
+                    // The execution was dropped when changes were lost: only the state of the axis is known.
                     None => status & motion_status::JOG_STATUS != 0,
                 }
         };
@@ -501,9 +501,9 @@ impl Plant {
         self.0.lock().records.newest().map(instance_of)
     }
 
-    /// The oldest instance in the records.
-    pub fn oldest_instance(&self) -> Option<u32> {
-        self.0.lock().records.oldest().map(instance_of)
+    /// The number of instances in the records.
+    pub fn instances(&self) -> usize {
+        self.0.lock().records.count()
     }
 }
 

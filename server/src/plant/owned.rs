@@ -14,7 +14,7 @@ use arcline_instruction_set::{AxisId, Call, JogEnd, Mnemonic, SystemId, UnboundO
 use super::policy::{COORDINATED_MOVE, stop_of};
 use super::principal::Principal;
 use super::records::Executions;
-use super::state::{State, may_run};
+use super::state::State;
 
 /// An instruction that began motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -37,7 +37,7 @@ impl OwnedInstructions {
         let begun = self.0.entry(owner).or_default();
         if begun.len() >= MANY {
             // As many as run at a time stay: a queue is bounded.
-            begun.retain(|begun| is_running(*begun, records));
+            begun.retain(|begun| records.may_run(begun.ticket));
         }
         begun.push(Begun {
             ticket,
@@ -94,7 +94,7 @@ impl State {
     pub(super) fn lose(&mut self, owner: Principal, reaction: ConnectionLoss) -> LossOutcome {
         let mut begun = self.owned.0.remove(&owner).unwrap_or_default();
         let snapshot = self.link.snapshots.output_buffer();
-        begun.retain(|begun| is_running(*begun, &self.records) || is_braking(*begun, snapshot));
+        begun.retain(|begun| self.records.may_run(begun.ticket) || is_braking(*begun, snapshot));
         if reaction == ConnectionLoss::Finish {
             self.guard.forget(owner);
             return LossOutcome::default();
@@ -169,11 +169,6 @@ impl State {
             self.link.stops.end_jog(AxisId(target), ticket, JogEnd::Lost);
         }
     }
-}
-
-/// An execution that was dropped from the records may still run.
-fn is_running(begun: Begun, records: &Executions) -> bool {
-    records.get(begun.ticket).is_none_or(may_run)
 }
 
 /// Whether the object of an instruction is being stopped: the stop may be a weak one, and it ended the instruction.

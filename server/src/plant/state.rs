@@ -11,8 +11,8 @@ use std::time::Duration;
 use arc_swap::ArcSwap;
 use arcline_controller::image::{Image, StagedWrites, TagKind, WriteEffect};
 use arcline_controller::machine::{DynamicsBits, Machine};
-use arcline_controller::{ContourRests, Ticket};
-use arcline_instruction_set::{FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
+use arcline_controller::{ContourRests, Event, Ticket};
+use arcline_instruction_set::{AxisId, FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
 use arcline_realtime::ServerRings;
 use tokio::sync::oneshot;
 
@@ -22,7 +22,7 @@ use self::sending::WaitingCommands;
 use super::changes::ChangeLog;
 use super::io::View;
 use super::log::{Change, ContourRest, Log, RestCause};
-use super::movers::{MotionTickets, Movers};
+use super::movers::{MotionTickets, Mover, Movers};
 use super::moves::LiveMoves;
 use super::owned::OwnedInstructions;
 use super::principal::Principal;
@@ -155,11 +155,23 @@ impl State {
     /// The tag memory, the snapshot that it shows, the moves under way and the movers.
     pub(super) fn view(&mut self) -> View<'_> {
         View {
-            movers: self.motion_tickets.movers(&self.records),
+            movers: self.movers(),
             image: &self.image,
             snapshot: self.link.snapshots.output_buffer(),
             moves: &self.moves,
         }
+    }
+
+    /// The movers as the executions and the newest snapshot are now.
+    fn movers(&mut self) -> Arc<Movers> {
+        let snapshot = self.link.snapshots.output_buffer();
+        self.motion_tickets.movers(&self.records, snapshot)
+    }
+
+    /// A mover of an axis that is not of a viewer's own.
+    pub(super) fn another_mover(&mut self, axis: AxisId, viewer: Option<u64>) -> Option<Mover> {
+        let snapshot = self.link.snapshots.output_buffer();
+        self.motion_tickets.another_mover(axis, viewer, &self.records, snapshot)
     }
 
     /// The tag memory, which is then published anew.
@@ -180,7 +192,7 @@ impl State {
         published
             .foreign_changes
             .store(self.image.has_foreign_changes(), Ordering::Release);
-        let movers = self.motion_tickets.movers(&self.records);
+        let movers = self.movers();
         if !Arc::ptr_eq(&movers, &published.movers.load()) {
             published.movers.store(movers);
         }
@@ -241,12 +253,17 @@ impl State {
             self.log.push(Change::Instruction { event, target }, at);
             let tag = self.image.control_name(event.control);
             self.trace.event(event.tick, tag, event.mnemonic, event.set);
-            let record = self.records.get_mut(event.ticket);
-            if let Some(control) = record {
+            let control = self.records.update(event.ticket, |control| {
                 event.apply(control);
+                *control
+            });
+            if let Some(control) = control {
                 self.motion_tickets.executions_changed();
-                if is_accepted(control) {
-                    let control = *control;
+                if event.set & Flag::Ip.mask() != 0 {
+                    let Event { mnemonic, ticket, .. } = event;
+                    self.motion_tickets.began(mnemonic, target, ticket, &self.records);
+                }
+                if is_accepted(&control) {
                     self.complete(event.ticket, &control);
                 }
             }
@@ -267,12 +284,14 @@ impl State {
             let _ = self.link.answers.pop();
             if is_accepted(&answer.control) {
                 // Its event says the same, unless that was lost.
-                if let Some(control) = self
-                    .records
-                    .get_mut(answer.ticket)
-                    .filter(|control| !is_accepted(control))
-                {
-                    *control = answer.control;
+                let changed = self.records.update(answer.ticket, |control| {
+                    let is_late = !is_accepted(control);
+                    if is_late {
+                        *control = answer.control;
+                    }
+                    is_late
+                });
+                if changed == Some(true) {
                     self.motion_tickets.executions_changed();
                 }
                 self.complete(answer.ticket, &answer.control);
@@ -281,6 +300,7 @@ impl State {
         let is_shown = !is_planted("bits of another tick") || tick.is_multiple_of(16);
         if updated && is_shown {
             self.changed = true;
+            self.motion_tickets.snapshot_changed();
             self.log_rests(tick);
             let snapshot = self.link.snapshots.output_buffer();
             self.image.apply_snapshot(snapshot);
@@ -297,6 +317,8 @@ impl State {
                     "too many status changes within one tick: some of them were lost"
                 );
                 self.lost = lost;
+                self.records.changes_lost();
+                self.motion_tickets.executions_changed();
             }
         }
     }
@@ -413,9 +435,7 @@ impl State {
         let ticket = self.ticket(principal, None, None);
         let refused = MotionControl::refused(error);
         self.image_mut().set_control(kind.control, refused);
-        if let Some(control) = self.records.get_mut(ticket) {
-            *control = refused;
-        }
+        self.records.update(ticket, |control| *control = refused);
         None
     }
 }

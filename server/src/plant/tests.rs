@@ -158,8 +158,8 @@ async fn every_execution_of_a_tag_begins_enabled() {
 fn the_newest_executions_are_kept() {
     let mut records = Executions::default();
     assert_eq!(
-        (records.newest(), records.oldest(), records.by_instance(0)),
-        (None, None, None)
+        (records.newest(), records.count(), records.by_instance(0)),
+        (None, 0, None)
     );
     for ticket in 1..=RECORDS as u64 + 10 {
         let origin = Origin {
@@ -168,11 +168,15 @@ fn the_newest_executions_are_kept() {
             text: None,
         };
         records.begin(Ticket(ticket), None, origin);
-        records.get_mut(Ticket(ticket)).expect("the newest").err = (ticket % 100) as i16;
+        let updated = records.update(Ticket(ticket), |control| {
+            control.set(Flag::Dn);
+            control.err = (ticket % 100) as i16;
+        });
+        assert_eq!(updated, Some(()), "the newest");
     }
     assert_eq!(
-        (records.oldest(), records.newest()),
-        (Some(Ticket(11)), Some(Ticket(RECORDS as u64 + 10)))
+        (records.count(), records.newest()),
+        (RECORDS, Some(Ticket(RECORDS as u64 + 10)))
     );
     #[rustfmt::skip]
     let cases = [(0, None), (10, None), (11, Some(11)), (RECORDS as u32 + 10, Some(6)), (RECORDS as u32 + 11, None), (u32::MAX, None)];
@@ -183,7 +187,58 @@ fn the_newest_executions_are_kept() {
             "{instance}"
         );
     }
-    assert!(records.get_mut(Ticket(10)).is_none() && records.get_mut(Ticket(5000)).is_none());
+    assert!(records.get(Ticket(10)).is_none() && records.get(Ticket(5000)).is_none());
+}
+
+/// One that runs stays beyond the ring until it has ended, and then for as many ends of others; unless changes were lost, since then nobody
+/// knows whether it runs.
+#[test]
+fn executions_that_run_are_kept() {
+    let origin = Origin {
+        principal: CLIENT,
+        client: Arc::default(),
+        text: Some("MAM".into()),
+    };
+    let mut records = Executions::default();
+    let mut ticket = 0;
+    let mut begin = |records: &mut Executions, flag| {
+        ticket += 1;
+        records.begin(Ticket(ticket), Some(3), origin.clone());
+        records.update(Ticket(ticket), |control| {
+            control.set(Flag::Dn);
+            control.set(flag);
+        });
+        Ticket(ticket)
+    };
+    let end = |records: &mut Executions, ticket| records.update(ticket, |control| control.clear(Flag::Ip));
+    let running: Vec<Ticket> = (0..RECORDS + 2).map(|_| begin(&mut records, Flag::Ip)).collect();
+    let first = running[0];
+    for _ in 0..2 * RECORDS {
+        begin(&mut records, Flag::Pc);
+    }
+    assert_eq!(records.count(), 2 * RECORDS + 2);
+    assert!(records.may_run(first) && records.get(first).is_some());
+    assert_eq!(records.target(first), Some(3));
+    assert_eq!(records.origin(first), Some(&origin));
+    assert!(records.by_instance(instance_of(first)).is_some());
+    assert_eq!(end(&mut records, first), Some(()));
+    assert!(!records.may_run(first), "it has ended");
+    assert!(records.get(first).is_some(), "its end is known");
+    for ticket in &running[1..] {
+        end(&mut records, *ticket);
+    }
+    assert!(records.get(first).is_none(), "dropped behind as many ends");
+    assert!(!records.may_run(first));
+    assert_eq!(records.count(), 2 * RECORDS);
+
+    let lost = begin(&mut records, Flag::Ip);
+    records.changes_lost();
+    assert_eq!(records.count(), RECORDS);
+    for _ in 0..RECORDS {
+        begin(&mut records, Flag::Pc);
+    }
+    assert!(records.get(lost).is_none());
+    assert!(records.may_run(lost), "as far as is known");
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

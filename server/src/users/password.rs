@@ -66,17 +66,17 @@ pub(crate) fn hash(password: &str) -> Result<Stored, argon2::password_hash::Erro
 }
 
 /// Takes as long as the check of a user's password: for a user who does not exist.
-pub(crate) fn check_nobody(password: &str) {
-    static NOBODY: OnceLock<Option<Stored>> = OnceLock::new();
+pub(crate) fn check_unknown_user(password: &str) {
+    static UNKNOWN: OnceLock<Option<Stored>> = OnceLock::new();
     // Without random numbers there is no hash to check, and every log-in fails either way.
-    if let Some(nobody) = NOBODY.get_or_init(|| hash("nobody has this password").ok()) {
-        nobody.is_of(password);
+    if let Some(unknown) = UNKNOWN.get_or_init(|| hash("nobody has this password").ok()) {
+        unknown.is_of(password);
     }
 }
 
-/// Makes the hash of [`check_nobody`], so that the first check does not take longer than others.
+/// Makes the hash of [`check_unknown_user`], so that the first check does not take longer than others.
 pub(crate) fn prepare() {
-    check_nobody("");
+    check_unknown_user("");
 }
 
 #[cfg(test)]

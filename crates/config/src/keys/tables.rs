@@ -1263,7 +1263,7 @@ pub(crate) static TAG: Keys = Keys {
             name: "type",
             kind: Kind::TagType,
             default: Default::Prose("that of the `alias`"),
-            meaning: "`BOOL`, `SINT`, `INT`, `DINT`, `LINT`, `USINT`, `UINT`, `UDINT`, `ULINT`, `REAL`, `LREAL`, `STRING`, `CAM`, `CAM_PROFILE`, `OUTPUT_CAM`, `OUTPUT_COMPENSATION`, `POSITION_DATA`, `PATH_DATA`, `DYNAMICS_DATA`, `TIMER`, `COUNTER`, `CONTROL` or a `[[data_type]]`, or an array of up to three dimensions such as `REAL[16]` or `DINT[2,3]`; or `MOTION_INSTRUCTION`: a motion control tag, which instructions write and clients read",
+            meaning: "`BOOL`, `SINT`, `INT`, `DINT`, `LINT`, `USINT`, `UINT`, `UDINT`, `ULINT`, `REAL`, `LREAL`, `STRING`, `CAM`, `CAM_PROFILE`, `OUTPUT_CAM`, `OUTPUT_COMPENSATION`, `POSITION_DATA`, `PATH_DATA`, `DYNAMICS_DATA`, `TIMER`, `COUNTER`, `CONTROL` or a `[[data_type]]`, or an array of up to three dimensions such as `REAL[16]` or `DINT[2,3]`; or `MOTION_INSTRUCTION` (no array): a motion control tag, which instructions write and clients read",
         },
         Key {
             name: "program",

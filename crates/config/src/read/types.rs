@@ -167,7 +167,7 @@ pub(crate) fn member_types() -> String {
 /// The possible types of a tag, for messages.
 pub(crate) fn tag_types() -> String {
     format!(
-        "{}, MOTION_INSTRUCTION or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3]",
+        "{} or a [[data_type]], or an array of 1 to 65535 of them in each of up to three dimensions such as REAL[16] or DINT[2,3], or MOTION_INSTRUCTION, which has no arrays",
         words()
     )
 }

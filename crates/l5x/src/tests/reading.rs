@@ -358,6 +358,11 @@ fn motion_control_tags_of_every_scope_are_there() {
             .to_string()
             .contains("a motion control tag of a program becomes one of the controller")
     );
+    assert!(
+        import.report.to_string().contains("Tag[MOTION_INSTRUCTION] (Many"),
+        "an array is left out by its name: {}",
+        import.report
+    );
     let again = super::super::import(&export(&import.project), "again").expect("what is written can be read");
     assert_eq!(again.project.tags, import.project.tags);
 }

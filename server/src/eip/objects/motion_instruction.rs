@@ -1,5 +1,5 @@
 //! Motion Instruction, class 0x0303 (spec/contract.md §4): one instance for each of the newest 4,096 executed
-//! instructions.
+//! instructions, and for each older one that still runs or has ended since it was among them.
 //!
 //! | attribute | type | |
 //! |---|---|---|
@@ -66,13 +66,9 @@ impl Object for MotionInstructions {
 
     fn extent(&self, cx: &ObjectContext<'_, '_>) -> Result<Extent, CipStatus> {
         let plant = &cx.device().plant;
-        let (oldest, newest) = (plant.oldest_instance(), plant.newest_instance());
-        let count = oldest
-            .zip(newest)
-            .map_or(0, |(oldest, newest)| newest.wrapping_sub(oldest).wrapping_add(1));
         Ok(Extent {
-            highest: newest.unwrap_or(0),
-            count,
+            highest: plant.newest_instance().unwrap_or(0),
+            count: u32::try_from(plant.instances()).unwrap_or(u32::MAX),
             last_attribute: attribute::ENDING,
         })
     }

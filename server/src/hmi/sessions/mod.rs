@@ -147,7 +147,7 @@ impl Sessions {
         let checked = tokio::task::spawn_blocking(move || match stored {
             Some(stored) => stored.is_of(&given),
             None => {
-                password::check_nobody(&given);
+                password::check_unknown_user(&given);
                 false
             }
         });

@@ -98,6 +98,11 @@ fn rows() -> Vec<Row> {
             failed(2, "WAIT can no longer come true: F8 (MAM, line 1) has ended"),
         ),
         row(
+            "an operand of an instruction tag out of its range",
+            "Move1.EnableIn := 0;\nMove1.Speed := -5;\nMove1.EnableIn := 1;\nWAIT(Move1.MotionControl.PC);",
+            Ended::Erred(3, 13, 4),
+        ),
+        row(
             "a negative delay",
             "\nDELAY(-1);",
             failed(2, "DELAY is -1 s, expected 0 or more"),
@@ -174,6 +179,18 @@ fn simulated(project: &Project, text: &str) -> Ended {
 }
 
 impl Bench {
+    /// A client over EtherNet/IP, and the listener that serves it.
+    pub(super) async fn client(&self) -> (Client, JoinHandle<()>) {
+        let mut project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
+        project.server.io = IoListen::Off;
+        let any = "127.0.0.1:0".parse().expect("an address");
+        let listener = Listener::bind(any, self.plant.clone(), Settings::new(&project.server)).await;
+        let listener = listener.expect("a free port");
+        let address = listener.local_addr().to_string();
+        let serving = tokio::spawn(listener.serve());
+        (Client::connect(&address).await.expect("it listens"), serving)
+    }
+
     fn at(&self) -> Ended {
         let [x, y] = self
             .plant
@@ -221,17 +238,49 @@ impl Bench {
     }
 }
 
+/// A network client does not learn the cause for which an instruction by EnableIn ended: it has no instance.
+#[tokio::test]
+async fn a_wait_for_an_instruction_tag_ends_when_its_instruction_has_been_stopped() {
+    let program = "Move1.EnableIn := 0;\nMove1.Speed := 10;\nMove1.Position[0] := 400;\nMove1.EnableIn := 1;\nMCS(CS1, Halt, 2);\nWAIT(Halt.PC);\n";
+    let project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
+    let bench = Bench::start().await;
+    let (client, serving) = bench.client().await;
+    let mut viewer = bench.viewer().await;
+    viewer.push("program").await;
+    viewer.take("CS1").await;
+    for condition in ["Move1.MotionControl.PC", "Move1.PC"] {
+        let program = format!("{program}WAIT({condition});");
+        let simulation = simulated(&project, &program);
+        let why = |how: &str| failed(7, &format!("WAIT can no longer come true: Move1 (MCLM, line 4) {how}"));
+        assert_eq!(simulation, why("was stopped by MCS Halt"), "{condition}");
+        let over = timeout(SOON, bench.over_the_network(&client, &program)).await;
+        assert_eq!(over, Ok(why("has ended without PC")), "{condition}");
+        let page = timeout(SOON, bench.on_the_page(&mut viewer, &program)).await;
+        assert_eq!(page, Ok(why("has ended without PC")), "{condition}");
+    }
+    // An operand is written by clients: a WAIT for it never is without hope.
+    let operand = format!("{program}WAIT(Move1.PC OR Move1.Speed = 11);");
+    let waits = timeout(SOON, bench.over_the_network(&client, &operand));
+    // Again and again: the program itself writes 10 when it begins.
+    let written = async {
+        loop {
+            tokio::time::sleep(Duration::from_millis(100)).await;
+            client.write("Move1.Speed", 11.0).await.expect("it is writable");
+        }
+    };
+    let ended = tokio::select! {
+        ended = waits => ended,
+        () = written => panic!("it writes for ever"),
+    };
+    assert!(matches!(ended, Ok(Ended::At(..))), "{ended:?}");
+    serving.abort();
+}
+
 #[tokio::test]
 async fn programs_end_alike_on_every_interface() {
     let bench = Bench::start().await;
-    let mut project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
-    project.server.io = IoListen::Off;
-    let any = "127.0.0.1:0".parse().expect("an address");
-    let listener = Listener::bind(any, bench.plant.clone(), Settings::new(&project.server)).await;
-    let listener = listener.expect("a free port");
-    let address = listener.local_addr().to_string();
-    let serving = tokio::spawn(listener.serve());
-    let client = Client::connect(&address).await.expect("it listens");
+    let project = arcline_config::load(arcline_config::DEFAULT, "machine.toml").expect("it is valid");
+    let (client, serving) = bench.client().await;
     let mut viewer = bench.viewer().await;
     viewer.push("program").await;
     for Row { why, program, ended } in rows() {
@@ -240,12 +289,12 @@ async fn programs_end_alike_on_every_interface() {
         assert_eq!(simulation.await.expect("it ends"), ended, "simulate, {why}:\n{program}");
         let over = bench.over_the_network(&client, program).await;
         assert_eq!(over, ended, "client, {why}:\n{program}");
-        for object in ["XY", "X"] {
+        for object in ["CS1", "XY", "X"] {
             viewer.take(object).await;
         }
         let page = bench.on_the_page(&mut viewer, program).await;
         assert_eq!(page, ended, "page, {why}:\n{program}");
-        for object in ["XY", "X"] {
+        for object in ["CS1", "XY", "X"] {
             let given = viewer.ask(json!({"do": "release", "object": object})).await;
             assert!(given.is_ok(), "{given:?}");
         }

@@ -429,6 +429,7 @@ mod driving;
 mod interfaces;
 mod login;
 mod looking;
+mod movers;
 mod previews;
 mod programs;
 pub(crate) mod roles;

@@ -9,7 +9,7 @@ use arcline_instruction_set::{AxisId, Call, ControlSlot, FaultSet, Mnemonic, Sys
 use arcline_realtime::STOPS;
 use tokio::sync::oneshot;
 
-use super::{State, may_run};
+use super::State;
 use crate::plant::principal::Principal;
 use crate::plant::records::Origin;
 
@@ -116,7 +116,7 @@ impl State {
             (Some(data), _) => Command::CallWith(ticket, call, data),
         };
         self.push(lane, command);
-        self.motion_tickets.note(ticket, &call);
+        self.motion_tickets.note(ticket, &call, &self.records);
         self.own(principal.owner(), ticket, &call);
         (ticket, receiver)
     }
@@ -129,9 +129,8 @@ impl State {
         self.owned.begin(owner, ticket, call, &self.records);
         if let (Mnemonic::Maj, Some(axis)) = (call.mnemonic, call.target) {
             let records = &self.records;
-            self.guard.begin(owner, AxisId(axis), ticket, |ticket| {
-                records.get(ticket).is_none_or(may_run)
-            });
+            self.guard
+                .begin(owner, AxisId(axis), ticket, |ticket| records.may_run(ticket));
         }
     }
 
