@@ -188,6 +188,33 @@ fn an_encoder_cannot_be_moved() {
     }
 }
 
+/// A reversal at 1000 units/s² turns a third of a period before a tick, 0.0005 units beyond the positions of its ticks.
+#[test]
+fn a_watched_position_between_two_ticks_is_seen() {
+    for (beyond, seen) in [(-1e-6, true), (1e-6, false)] {
+        let mut bench = with_encoders(3.0);
+        assert_eq!(bench.call(&format!("MAM(A1, M, 0, 100, {TRAPEZOID})")), OK);
+        bench.run(60);
+        assert_eq!(bench.axis("A1").actual[1], 100.0);
+        assert_eq!(
+            bench.call(&format!("MAM(A1, Back, 0, 0, {TRAPEZOID}, Enabled, Programmed)")),
+            OK
+        );
+        bench.tick();
+        let [position, velocity, acceleration] = bench.axis("A1").actual;
+        assert_eq!(acceleration, -1000.0);
+        let peak = position + velocity * velocity / 2000.0;
+        assert_eq!(bench.call(&format!("MAW(A1, W, Forward, {})", peak + beyond)), OK);
+        let mut highest: f64 = 0.0;
+        while bench.axis("A1").actual[1] > -50.0 {
+            bench.tick();
+            highest = highest.max(bench.axis("A1").actual[0]);
+        }
+        assert!(highest < peak - 1e-5, "a tick at the peak: {highest}, {peak}");
+        assert_eq!(bench.control("W").has(Flag::Pc), seen, "{beyond}");
+    }
+}
+
 #[test]
 fn watched_positions_are_seen_when_they_are_passed() {
     #[rustfmt::skip]

@@ -1,10 +1,11 @@
 //! The events that an axis waits for: a position that it passes (MAW), and edges of its registration inputs (MAR)
 //! (spec/axis-and-data-types.md §5).
 //!
-//! A watch sees actual positions once an update; it finds a position that is passed within one. Positions are position
+//! A watch compares the actual motion once an update, with the position at which the axis turns back within it. Positions are position
 //! units, times microseconds since the first tick. Nothing allocates.
 
 use arcline_drive::{ArmLatch, Trigger};
+use arcline_profile::KinematicState;
 
 use crate::execution::Execution;
 use crate::masters::displacement::Crossing;
@@ -26,8 +27,8 @@ struct ArmedWatch {
     crossing: Crossing,
     /// The position as it was programmed.
     position: f64,
-    /// The position of the axis at the last update, without the offset of redefined positions.
-    last: f64,
+    /// The actual motion at the last update, without the offset of redefined positions.
+    last: KinematicState,
 }
 
 impl Watch {
@@ -35,8 +36,8 @@ impl Watch {
         self.armed.is_some()
     }
 
-    /// `now`: the actual position, without the offset of redefined positions.
-    pub(crate) fn arm(&mut self, execution: Execution, crossing: Crossing, position: f64, now: f64) {
+    /// `now`: the actual motion, without the offset of redefined positions.
+    pub(crate) fn arm(&mut self, execution: Execution, crossing: Crossing, position: f64, now: KinematicState) {
         self.seen = false;
         self.armed = Some(ArmedWatch {
             execution,
@@ -51,15 +52,37 @@ impl Watch {
         self.armed.take().map(|armed| armed.execution)
     }
 
-    /// Compares the actual position with the watched one. Returns the execution whose event has come.
-    pub(crate) fn check(&mut self, now: f64) -> Option<Execution> {
+    /// Compares the actual motion of an update of `period` seconds with the watched position; an update of 0 seconds is a straight line from
+    /// position to position. Returns the execution whose event has come.
+    pub(crate) fn check(&mut self, now: KinematicState, period: f64) -> Option<Execution> {
         let armed = self.armed.as_mut()?;
         let before = std::mem::replace(&mut armed.last, now);
-        armed.crossing.crossed(before, now)?;
+        let turn = turning_position(&before, &now, period).unwrap_or(now.position);
+        let is_crossed = |from, to| armed.crossing.crossed(from, to).is_some();
+        if !is_crossed(before.position, turn) && !is_crossed(turn, now.position) {
+            return None;
+        }
         self.position = armed.position;
         self.seen = true;
         self.disarm()
     }
+}
+
+/// The position at which an axis turns back within an update of `period` seconds, by the cubic through both positions and velocities.
+fn turning_position(before: &KinematicState, now: &KinematicState, period: f64) -> Option<f64> {
+    let (leaving, arriving) = (before.velocity * period, now.velocity * period);
+    if leaving * arriving >= 0.0 {
+        return None;
+    }
+    let distance = now.position - before.position;
+    let square = 3.0 * distance - 2.0 * leaving - arriving;
+    let cube = leaving + arriving - 2.0 * distance;
+    // The velocity `leaving + 2 square s + 3 cube s²` changes its sign once within the update.
+    let root = square * square - 3.0 * cube * leaving;
+    let sum = -(square + root.sqrt().copysign(square));
+    let inside = |share: &f64| (0.0..=1.0).contains(share);
+    let share = [leaving / sum, sum / (3.0 * cube)].into_iter().find(inside)?;
+    Some(before.position + share * (leaving + share * (square + share * cube)))
 }
 
 /// One registration input of an axis.

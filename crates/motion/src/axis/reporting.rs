@@ -5,6 +5,7 @@
 use arcline_drive::{REGISTRATION_LATCHES, Trigger};
 use arcline_instruction_set::Flag;
 use arcline_planner::Clock;
+use arcline_profile::KinematicState;
 
 use super::Axis;
 use super::generator::Equation;
@@ -127,10 +128,19 @@ impl Axis {
         }
     }
 
+    /// The actual motion without the offset of redefined positions.
+    pub(crate) fn watched_motion(&self) -> KinematicState {
+        KinematicState {
+            position: self.actual.position - self.redefined,
+            ..self.actual
+        }
+    }
+
     /// Ends the watch when the actual position passes the watched one.
-    pub(crate) fn check_watch(&mut self, controls: &mut Controls) {
-        let now = self.actual.position - self.redefined;
-        if let Some(execution) = self.watch.check(now) {
+    pub(crate) fn check_watch(&mut self, controls: &mut Controls, clock: &Clock) {
+        // An axis that is fed goes in straight lines.
+        let period = if self.feeding.is_some() { 0.0 } else { clock.period() };
+        if let Some(execution) = self.watch.check(self.watched_motion(), period) {
             controls.end_move(execution, Flag::Pc.mask());
         }
     }

@@ -30,7 +30,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
         }),
         unwind: state.unwind,
     };
-    let now = state.actual.position - state.redefined;
+    let now = state.watched_motion();
     state.watch.arm(execution, crossing, *position, now);
     motion.controls.write(execution, Flag::Ip.mask(), 0);
     motion.done_next_update(execution, axis, None);

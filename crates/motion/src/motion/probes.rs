@@ -122,7 +122,7 @@ impl Motion {
     /// Checks the events that an axis waits for.
     pub(super) fn check_events(&mut self, axis: AxisId) {
         self.axes[axis].take_registrations(&mut self.controls, &self.clock);
-        self.axes[axis].check_watch(&mut self.controls);
+        self.axes[axis].check_watch(&mut self.controls, &self.clock);
         self.update_outputs(axis);
     }
 }
