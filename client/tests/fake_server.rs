@@ -613,6 +613,9 @@ async fn moves_are_executed_one_by_one_where_there_are_no_series() {
             noted.lock().unwrap().push(request.service);
             return Some(Reply::error(request.service, CipStatus::SERVICE_NOT_SUPPORTED));
         }
+        if request.path == Epath::object(0x0303, 7) {
+            return Some(Reply::error(request.service, CipStatus::OBJECT_DOES_NOT_EXIST));
+        }
         if (request.service, &request.path) != (line, &Epath::symbol("CS1")) {
             return Some(memory.handle(request, budget));
         }
@@ -627,14 +630,19 @@ async fn moves_are_executed_one_by_one_where_there_are_no_series() {
     let client = connect_with(Settings::default(), Box::new(handler)).await.unwrap();
     let text = "MCLM(CS1, M, 0, [1], 5, 0);\n".repeat(3);
     let mut runner = arcline_client::Runner::program(&client, &text).await.unwrap();
-    let mut lines = Vec::new();
-    let mut note = |event: arcline_client::Event<'_>| {
-        if let arcline_client::Event::Executed { line, .. } = event {
-            lines.push(line);
-        }
+    let (mut executed, mut completed) = (Vec::new(), Vec::new());
+    let mut note = |event: arcline_client::Event<'_>| match event {
+        arcline_client::Event::Executed { line, .. } => executed.push(line),
+        arcline_client::Event::Completed { line } => completed.push(line),
+        other => panic!("{other:?}"),
     };
     runner.run(&mut note).await.unwrap();
-    assert_eq!(lines, [1, 2, 3]);
+    // The server has dropped the executions: they have ended.
+    runner.finish(&mut note).await.unwrap();
+    assert_eq!(
+        (executed.as_slice(), completed.as_slice()),
+        ([1, 2, 3].as_slice(), [1, 2, 3].as_slice())
+    );
     assert_eq!(
         *seen.lock().unwrap(),
         [0x35, line, line, line],

@@ -111,12 +111,12 @@ pub(crate) async fn to_its_end(
                         "instance": execution.instance, "ERR": 0, "EXERR": 0,
                     })
                 });
-            } else if !progress.is_hidden() {
-                progress.set_position(line as u64);
-            } else if output.is_watched() {
+            } else if progress.is_hidden() && output.is_watched() {
                 output.note(&format!("line {line}: {} {}", execution.mnemonic, execution.target));
             }
         }
+        // A move is executed up to a whole queue before it moves.
+        Event::Completed { line } => progress.set_position(line as u64),
         // A fault also ends the program, whose end reports it.
         Event::Ended { line, execution, ended } if how.keep_going || !is_fault(ended) => {
             let (mnemonic, target) = (execution.mnemonic, &execution.target);

@@ -170,14 +170,16 @@ impl Driver for Live<'_> {
             return Ok(progress(called.mnemonic, &control));
         };
         let control = match self.client.instruction(execution.instance).await {
-            Ok(control) => control,
             // The execution is so old that the server has dropped it: it has ended.
-            Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => {
-                return Ok(Progress::Ended);
-            }
+            Err(ClientError::Refused { status, .. }) if status.is(CipStatus::OBJECT_DOES_NOT_EXIST) => None,
             Err(error) => return Err(error),
+            Ok(control) => Some(control),
         };
-        Ok(progress(execution.mnemonic, &control))
+        let progress = control.map_or(Progress::Ended, |control| progress(execution.mnemonic, &control));
+        if !matches!(progress, Progress::Running) {
+            (self.on_event)(Event::Completed { line: called.line });
+        }
+        Ok(progress)
     }
 
     async fn stopped(&mut self, called: &Called<Execution>) -> Result<Option<Stopped<ClientError>>, ClientError> {

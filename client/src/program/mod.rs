@@ -69,6 +69,11 @@ pub enum Event<'a> {
         /// The execution.
         execution: &'a Execution,
     },
+    /// An instruction that was executed has ended, as [`Event::Ended`] and [`Event::Erred`] may tell too.
+    Completed {
+        /// Line of the call.
+        line: usize,
+    },
     /// An instruction erred.
     Erred {
         /// Line of the call.

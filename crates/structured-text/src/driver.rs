@@ -178,7 +178,7 @@ pub trait Driver {
     /// Identifies an execution of an instruction.
     type Execution: Clone;
 
-    /// The number of running executions that the program reads with [`Driver::progress`] in one pause, in turn.
+    /// The number of running executions that the program reads in turn with [`Driver::progress`] in one pause, besides the oldest one; 0: none at all.
     const MOST_READS: usize;
 
     /// A statement of that line is about to make a request.

@@ -344,6 +344,17 @@ impl<X: Clone> ProgramRun<X> {
         driver: &mut D,
         turn: Turn,
     ) -> Result<(), RunError<D::Error>> {
+        if D::MOST_READS == 0 {
+            return Ok(());
+        }
+        // Most executions end in their order.
+        while let Some((index, called)) = self.calls.first(CallState::Running) {
+            let state = read_execution(driver, called, self.policy.on_error).await?;
+            self.calls.set(index, state);
+            if state == CallState::Running {
+                break;
+            }
+        }
         if turn == Turn::First {
             self.calls.restart();
         }
@@ -355,40 +366,16 @@ impl<X: Clone> ProgramRun<X> {
             let Some((index, called)) = self.calls.next_running() else {
                 break;
             };
-            let line = called.line;
-            let at = |error| RunError::Driver { line, error };
-            let state = match driver.progress(called).await.map_err(at)? {
-                Progress::Running => {
-                    running += 1;
-                    continue;
-                }
-                Progress::Ended => CallState::Over,
-                Progress::Incomplete => CallState::Incomplete,
-                Progress::Erred(error) => {
-                    driver.report(called, &error);
-                    if self.policy.on_error == OnError::Stop {
-                        return Err(at(error));
-                    }
-                    CallState::Over
-                }
-            };
+            let state = read_execution(driver, called, self.policy.on_error).await?;
             self.calls.set(index, state);
+            running += usize::from(state == CallState::Running);
         }
         for _ in 0..self.calls.enabled().min(D::MOST_READS) {
             let Some(called) = self.calls.take_enabled() else {
                 break;
             };
-            let line = called.line;
-            let at = |error| RunError::Driver { line, error };
-            match driver.progress(&called).await.map_err(at)? {
-                Progress::Running => self.calls.enable(called),
-                Progress::Ended | Progress::Incomplete => {}
-                Progress::Erred(error) => {
-                    driver.report(&called, &error);
-                    if self.policy.on_error == OnError::Stop {
-                        return Err(at(error));
-                    }
-                }
+            if read_execution(driver, &called, self.policy.on_error).await? == CallState::Running {
+                self.calls.enable(called);
             }
         }
         Ok(())
@@ -409,6 +396,28 @@ impl<X: Clone> ProgramRun<X> {
             self.calls.set(index, CallState::Over);
         }
         Ok(())
+    }
+}
+
+/// The state of a running execution. An error is reported.
+async fn read_execution<D: Driver>(
+    driver: &mut D,
+    called: &Called<D::Execution>,
+    on_error: OnError,
+) -> Result<CallState, RunError<D::Error>> {
+    let line = called.line;
+    let at = |error| RunError::Driver { line, error };
+    match driver.progress(called).await.map_err(at)? {
+        Progress::Running => Ok(CallState::Running),
+        Progress::Ended => Ok(CallState::Over),
+        Progress::Incomplete => Ok(CallState::Incomplete),
+        Progress::Erred(error) => {
+            driver.report(called, &error);
+            match on_error {
+                OnError::Stop => Err(at(error)),
+                OnError::KeepGoing => Ok(CallState::Over),
+            }
+        }
     }
 }
 

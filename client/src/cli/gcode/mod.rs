@@ -118,8 +118,9 @@ async fn pieces(client: &Client, source: &Source<'_>, counts: &Counts, output: &
     };
     let progress = output.bar(counts.statements(), PROGRESS);
     let mut on_event = |event: Event<'_>| {
-        if let Event::Executed { line, .. } = event {
-            progress.set_position(line as u64);
+        // A move is executed up to a whole queue before it moves.
+        if let Event::Completed { line } = event {
+            progress.set_position(progress.position().max(line as u64));
         }
     };
     let mut steps = source.steps()?;
