@@ -116,8 +116,8 @@ impl Operands {
 }
 
 impl Client {
-    /// Executes an instruction on the group, axis or coordinate system `target`, under the motion control tag `control`
-    /// (made on first use; empty: none). `operands` are the operands behind target and motion control in faceplate order,
+    /// Executes an instruction on the group, axis or coordinate system `target` (empty: an instruction without a target, as MCCP), under the
+    /// motion control tag `control` (made on first use; empty: none). `operands` are the operands behind target and motion control in faceplate order,
     /// trailing ones may be missing; numbers travel as LREAL.
     ///
     /// The answer comes when DN or ER is set, of homing when it is in process: its DN is its end.
@@ -322,9 +322,15 @@ pub(crate) fn request_of(
     control: &str,
     operands: &[UnboundOperand],
 ) -> Result<Request, ClientError> {
-    let (_, service) = mnemonic.instruction().service();
+    let instruction = mnemonic.instruction();
+    let (class, service) = instruction.service();
     let data = encode(mnemonic, control, operands)?;
-    Ok(Request::new(service, Epath::symbol(target), data))
+    // An instruction without a target is one of the motion group, which is instance 1.
+    let path = match (target, instruction.has_target()) {
+        ("", false) => Epath::object(class, 1),
+        _ => Epath::symbol(target),
+    };
+    Ok(Request::new(service, path, data))
 }
 
 /// The request data of an instruction.

@@ -76,7 +76,7 @@ pub(crate) fn run(args: &RunArgs, program: Option<(PathBuf, bool)>) -> Result<Ex
     let (plant, handle) = runtime.block_on(serve(&project, start, configured))?;
     // The thread stops all motion and waits until it stands still; no client is heard any more.
     handle.stop();
-    plant.retain_axes_at_the_end();
+    plant.retain_at_the_end();
     plant.record(Principal::Server, EventKind::Stop, String::new(), "done");
     plant.close_audit();
     match state_writer.map(StateWriter::close) {

@@ -15,6 +15,16 @@ pub enum Record {
     Changes(Vec<Change>),
 }
 
+impl Record {
+    /// Whether it changes nothing but axes.
+    pub(crate) fn is_of_axes(&self) -> bool {
+        match self {
+            Record::State(_) => false,
+            Record::Changes(changes) => changes.iter().all(|change| matches!(change, Change::Axis { .. })),
+        }
+    }
+}
+
 /// The bytes of [`Record::State`], from a state that is borrowed. The names of the variants do not matter, their order does.
 #[derive(Serialize)]
 pub(crate) enum Borrowed<'s> {

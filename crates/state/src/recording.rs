@@ -32,6 +32,8 @@ pub enum Call {
     FailedSync(Inode),
     /// A file has another name, in place of the file that had it.
     Rename(PathBuf, PathBuf),
+    /// A renaming that has failed: nobody knows whether the disk has made it.
+    FailedRename(PathBuf, PathBuf),
     /// A synchronisation of the folder that has succeeded.
     SyncFolder,
 }
@@ -188,7 +190,7 @@ impl Files {
                 let inode = self.names.remove(from).expect("the name that is renamed exists");
                 self.names.insert(to.clone(), inode);
             }
-            Call::Sync(_) | Call::FailedSync(_) | Call::SyncFolder => {}
+            Call::Sync(_) | Call::FailedSync(_) | Call::FailedRename(..) | Call::SyncFolder => {}
         }
     }
 }
@@ -247,8 +249,12 @@ impl Disk for Recording {
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        self.call(Kind::Rename, |_| Call::Rename(from.to_owned(), to.to_owned()))
-            .map(drop)
+        let renamed = self.call(Kind::Rename, |_| Call::Rename(from.to_owned(), to.to_owned()));
+        if renamed.is_err() {
+            let failed = Call::FailedRename(from.to_owned(), to.to_owned());
+            self.lock_recorded().calls.push(failed);
+        }
+        renamed.map(drop)
     }
 
     fn sync_folder(&self) -> io::Result<()> {
@@ -323,6 +329,8 @@ impl<'c> Crashes<'c> {
         let mut now = BTreeMap::new();
         // Every file that had the name since the folder was synchronised, and that from before.
         let mut may: Vec<Option<Inode>> = vec![None];
+        // The files that have the name if a failed renaming was made all the same.
+        let mut perhaps: Vec<Option<Inode>> = Vec::new();
         for call in self.calls {
             match call {
                 Call::Create(name, inode) => {
@@ -331,7 +339,11 @@ impl<'c> Crashes<'c> {
                 Call::Rename(from, to) => {
                     let inode = now.remove(from.as_path()).expect("the name exists");
                     now.insert(to.as_path(), inode);
+                    if to == self.name {
+                        perhaps.clear();
+                    }
                 }
+                Call::FailedRename(from, to) if to == self.name => perhaps.push(now.get(from.as_path()).copied()),
                 Call::SyncFolder => may = vec![now.get(self.name).copied()],
                 _ => continue,
             }
@@ -340,6 +352,11 @@ impl<'c> Crashes<'c> {
                 may = vec![current];
             } else if !may.contains(&current) {
                 may.push(current);
+            }
+        }
+        for inode in perhaps {
+            if !may.contains(&inode) {
+                may.push(inode);
             }
         }
         may

@@ -6,6 +6,7 @@
 use std::io;
 use std::path::Path;
 
+use crate::codec::MAX_RECORD;
 use crate::disk::Disk;
 use crate::format::{self, Chain};
 use crate::{Damage, LockedFile, MAX_FILE, Record, RetainedState, horizon};
@@ -138,9 +139,16 @@ impl<D: Disk> Store<D> {
         Ok(file)
     }
 
-    /// Drops the state that was written anew.
+    /// Whether the state that was written anew has every record since.
+    pub(crate) fn is_rewritten(&self) -> bool {
+        self.beside.is_some()
+    }
+
+    /// Drops the state that was written anew, so that a full disk has its room.
     pub(crate) fn end_rewrite(&mut self) {
         self.beside = None;
+        // An empty file takes the name. Where that fails, the next rewrite does it.
+        let _ = self.locked.disk().create(&self.locked.beside());
     }
 
     /// Puts the state that was written anew in the place of the file. The folder is to be synchronised next.
@@ -172,7 +180,12 @@ impl<D: Disk> Log<D> {
     ) -> io::Result<()> {
         buffer.clear();
         for record in records {
+            let from = buffer.len();
             self.chain.push(record, buffer);
+            // A reader would take it for damage.
+            if buffer.len() - from > MAX_RECORD {
+                return Err(io::ErrorKind::FileTooLarge.into());
+            }
         }
         let length = self.length + buffer.len();
         if length > MAX_FILE {

@@ -15,7 +15,7 @@ use std::time::Duration;
 use crate::disk::Disk;
 use crate::planted::is_planted;
 use crate::store::{Store, Synchronised};
-use crate::{LockedFile, Record, RetainedState};
+use crate::{Damage, LockedFile, Record, RetainedState};
 
 /// The change is not in the file, at least not yet.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
@@ -80,6 +80,8 @@ pub enum Report {
     Recovered,
     /// The file could not be written anew and goes on growing.
     Grows(io::Error),
+    /// A new table of tags is more than a state can hold: until there is another one, no tag is kept.
+    Refused(Damage),
 }
 
 /// The operation that has failed.
@@ -89,6 +91,8 @@ pub enum Failure {
     Write,
     /// A synchronisation.
     Synchronisation,
+    /// The new file did not get the name of the file.
+    Rename,
 }
 
 /// A synchronisation, which takes as long as the disk takes.
@@ -173,12 +177,16 @@ impl<D: Disk, A> Writer<D, A> {
                     self.fail(Failure::Write, error, now);
                 }
             }
-            (Target::Beside(()), Ok(())) => match self.store.finish_rewrite() {
+            (Target::Beside(()), Ok(())) if self.store.is_rewritten() => match self.store.finish_rewrite() {
                 Ok(()) => self.renamed = !is_planted("folder not synchronised"),
-                Err(error) => self.not_rewritten(error, now),
+                // Nobody knows which file has the name.
+                Err(error) => self.fail(Failure::Rename, error, now),
             },
-            (Target::Beside(()), Err(error)) => {
+            (Target::Beside(()), result) => {
                 self.store.end_rewrite();
+                let error = result
+                    .err()
+                    .unwrap_or_else(|| io::Error::other("a record could not be written to the new file"));
                 self.not_rewritten(error, now);
             }
             (Target::Folder, Ok(())) if self.failed && self.store.is_writable() => {
@@ -222,7 +230,14 @@ impl<D: Disk, A> Writer<D, A> {
     /// The system's.
     pub fn close(&mut self, now: Duration) -> io::Result<()> {
         self.write(now);
-        self.store.rewrite()
+        let rewritten = self.store.rewrite();
+        // Without room for a new file, the old one is as good.
+        if rewritten.is_err()
+            && let Some((file, _)) = self.store.to_synchronise()
+        {
+            self.store.disk().sync(&file)?;
+        }
+        rewritten
     }
 
     fn write(&mut self, now: Duration) {
@@ -268,12 +283,21 @@ impl<D: Disk, A> Writer<D, A> {
     /// Takes a record over into the state, if it fits.
     fn take_over(&mut self, record: &Record) -> bool {
         let table = matches!(record, Record::State(_));
-        if self.refused && !table {
+        if self.refused && !table && !record.is_of_axes() {
             return false;
         }
-        let fits = self.store.apply(record).is_ok();
-        self.refused = table && !fits;
-        fits
+        match self.store.apply(record) {
+            Ok(()) => {
+                self.refused &= !table;
+                true
+            }
+            Err(damage) => {
+                if table && !std::mem::replace(&mut self.refused, true) {
+                    self.actions.push(Action::Report(Report::Refused(damage)));
+                }
+                false
+            }
+        }
     }
 
     fn next(&mut self, now: Duration) -> Option<Target<D::File>> {
@@ -286,6 +310,7 @@ impl<D: Disk, A> Writer<D, A> {
             return match self.store.begin_rewrite() {
                 Ok(file) => Some(Target::Beside(file)),
                 Err(error) => {
+                    self.store.end_rewrite();
                     self.not_rewritten(error, now);
                     None
                 }

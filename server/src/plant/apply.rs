@@ -147,19 +147,22 @@ impl Plant {
             }
         };
         let answered = tokio::time::timeout(ANSWER_WITHIN, all).await.is_ok();
+        let mut results = None;
         if !answered {
             let mut state = self.0.lock();
             for ticket in tickets {
                 state.waiting.remove(&ticket);
             }
+        } else if !tickets.is_empty() {
+            results = self.0.lock().send_results();
         }
         for (ticks, until) in steps {
             self.step(ticks, until).await;
         }
-        if let Some(persisted) = persisted
-            && !matches!(tokio::time::timeout(ANSWER_WITHIN, persisted).await, Ok(Ok(Ok(()))))
-        {
-            return Err(Unsettled::NotPersisted);
+        for persisted in persisted.into_iter().chain(results) {
+            if !matches!(tokio::time::timeout(ANSWER_WITHIN, persisted).await, Ok(Ok(Ok(())))) {
+                return Err(Unsettled::NotPersisted);
+            }
         }
         if answered { Ok(()) } else { Err(Unsettled::NoAnswer) }
     }

@@ -331,10 +331,12 @@ impl Plant {
         read(&self.0.published.image.load())
     }
 
-    /// Sends the axes to the writer of the retained state after the real-time thread has stopped them.
-    pub(crate) fn retain_axes_at_the_end(&self) {
+    /// Sends the axes, after the real-time thread has stopped them, and the last results of instructions to the writer of the retained state.
+    pub(crate) fn retain_at_the_end(&self) {
         let mut state = self.0.lock();
         state.refresh();
+        // Nobody waits for it: the writer writes everything that it was sent before it ends.
+        drop(state.send_writes());
         let State { watch, link, .. } = &mut *state;
         if let Some(watch) = watch {
             watch.axes_at_the_end(link.snapshots.output_buffer());

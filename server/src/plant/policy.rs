@@ -161,7 +161,7 @@ pub(super) fn is_retained(command: &Command<'_>) -> bool {
         | Command::CreateTag(_)
         | Command::DeleteTag(_)
         | Command::Reload { .. } => true,
-        // The next write stores the results of instructions too, and the snapshots show the changes of axes.
+        // The results of instructions are sent when these are answered, and the snapshots show the changes of axes.
         Command::SetAttribute { .. }
         | Command::InjectFaults { .. }
         | Command::SetFeedOverride { .. }

@@ -210,6 +210,15 @@ impl State {
         &mut self.image
     }
 
+    /// Sends the results of instructions in plain tags to the writer of the retained state, if there are any that no write has sent.
+    pub(super) fn send_results(&mut self) -> Option<PersistedReceiver> {
+        if self.image.has_written() {
+            self.send_writes()
+        } else {
+            None
+        }
+    }
+
     /// Sends new writes to the writer of the retained state.
     pub(super) fn send_writes(&mut self) -> Option<PersistedReceiver> {
         let watch = self.watch.as_mut()?;

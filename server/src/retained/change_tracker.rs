@@ -10,7 +10,7 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
 use arcline_state::planted::is_planted;
-use arcline_state::{Axis, AxisState, Change, Record, RetainedState};
+use arcline_state::{Axis, AxisState, Change, Record, RetainedState, Tag};
 use tokio::sync::oneshot;
 
 use super::state_writer::{Job, NotPersisted};
@@ -23,8 +23,7 @@ pub(crate) type PersistedReceiver = oneshot::Receiver<Result<(), NotPersisted>>;
 #[derive(Debug)]
 pub(crate) struct ChangeTracker {
     jobs: mpsc::Sender<Job>,
-    /// Places of the tags in the state.
-    tags: BTreeMap<TagId, u32>,
+    tags: KeptTags,
     /// The changes of the table of tags that have been seen.
     table: u32,
     /// The axes as they were last sent.
@@ -37,12 +36,31 @@ pub(crate) struct ChangeTracker {
     due: u64,
 }
 
+/// The tags in the state.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct KeptTags {
+    /// Their places in the state.
+    places: BTreeMap<TagId, u32>,
+    /// Their names and kinds, in order: a new tag may have the id of one that was deleted.
+    kinds: Vec<(String, String)>,
+}
+
+impl KeptTags {
+    /// `ids`: those of the tags, in order.
+    pub(super) fn new(tags: &[Tag], ids: Vec<TagId>) -> Self {
+        KeptTags {
+            places: ids.into_iter().zip(0..).collect(),
+            kinds: tags.iter().map(|tag| (tag.name.clone(), tag.kind.clone())).collect(),
+        }
+    }
+}
+
 impl ChangeTracker {
-    /// `axes` is how they stand in the state, in configuration order, `tags` the tags in it, in order.
-    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<Axis>, tags: Vec<TagId>, period_ns: u64) -> Self {
+    /// `axes` is how they stand in the state, in configuration order.
+    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<Axis>, tags: KeptTags, period_ns: u64) -> Self {
         ChangeTracker {
             jobs,
-            tags: tags.into_iter().zip(0..).collect(),
+            tags,
             // No change of the table has been seen.
             table: u32::MAX,
             axes,
@@ -62,7 +80,7 @@ impl ChangeTracker {
         }
         let changes = written.iter().filter_map(|part| {
             Some(Change::Tag {
-                tag: *self.tags.get(&part.id)?,
+                tag: *self.tags.places.get(&part.id)?,
                 offset: u32::try_from(part.offset).ok()?,
                 bytes: image
                     .bytes(part.id)
@@ -83,11 +101,11 @@ impl ChangeTracker {
         }
         self.table = image.table_changes();
         let (tags, ids) = tags_of(image);
-        let ids: BTreeMap<TagId, u32> = ids.into_iter().zip(0..).collect();
-        if ids == self.tags {
+        let kept = KeptTags::new(&tags, ids);
+        if kept == self.tags {
             return None;
         }
-        self.tags = ids;
+        self.tags = kept;
         let state = RetainedState {
             axes: self.axes.clone(),
             tags,

@@ -24,6 +24,7 @@ use arcline_state::{
 };
 use arcline_tag::TagPath;
 
+use change_tracker::KeptTags;
 pub(crate) use change_tracker::{ChangeTracker, PersistedReceiver};
 pub use state_writer::NotPersisted;
 pub(crate) use state_writer::{Job, StateWriter, Turn, WriterWorker};
@@ -124,8 +125,7 @@ struct Start<D: Disk> {
     locked: LockedFile<D>,
     image: Image,
     state: RetainedState,
-    /// The tags in the state, in order.
-    tags: Vec<TagId>,
+    tags: KeptTags,
 }
 
 impl<D: Disk> Start<D> {
@@ -236,12 +236,12 @@ impl Taken {
     }
 }
 
-/// Whether a project has no axis and no tag of a state.
+/// Whether a project has no axis and no tag of a state. A state with nothing but tags that clients have created is of any machine.
 fn is_foreign(state: &RetainedState, project: &Project, image: &Image) -> bool {
-    let nothing = state.axes.is_empty() && state.tags.is_empty();
+    let of_any = state.axes.is_empty() && state.tags.iter().all(|tag| created(&tag.kind).0.is_some());
     let axis = state.axes.iter().any(|axis| find_axis(axis, project).is_some());
     let tag = state.tags.iter().any(|tag| find_tag(tag, image).is_some());
-    !(nothing || axis || tag)
+    !(of_any || axis || tag)
 }
 
 /// Makes a project and its tags start as a state says, wherever name and type are the same.
@@ -339,9 +339,10 @@ const CREATED: &str = "created, ";
 /// In front of the type of a created tag that clients may not write.
 const CREATED_READ_ONLY: &str = "created, read-only, ";
 
-/// A read-only tag of the configuration is as it is configured.
+/// A read-only tag of the configuration is as it is configured, and the tags of a program start with the values of its file.
 fn is_kept(tag: &image::Tag, image: &Image) -> bool {
-    tag.kind == TagKind::Plain && (tag.access == Access::ReadWrite || image.is_created(tag.id))
+    let is_written = tag.access == Access::ReadWrite || image.is_created(tag.id);
+    tag.kind == TagKind::Plain && is_written && !image.is_of_program(tag.id)
 }
 
 /// The kind of an axis's positions: a position of an axis in inches is not valid for one in millimetres.
@@ -354,8 +355,8 @@ fn axis_kind(axis: &machine::Axis) -> String {
     text
 }
 
-/// The state at start-up, and the tags in it in order.
-fn state_of(project: &Project, image: &Image) -> (RetainedState, Vec<TagId>) {
+/// The state at start-up, and the tags in it.
+fn state_of(project: &Project, image: &Image) -> (RetainedState, KeptTags) {
     let axes = project.machine.axes.iter().map(|axis| Axis {
         name: axis.name.clone(),
         kind: axis_kind(axis),
@@ -368,11 +369,12 @@ fn state_of(project: &Project, image: &Image) -> (RetainedState, Vec<TagId>) {
         },
     });
     let (tags, ids) = tags_of(image);
+    let kept = KeptTags::new(&tags, ids);
     let state = RetainedState {
         axes: axes.collect(),
         tags,
     };
-    (state, ids)
+    (state, kept)
 }
 
 /// The tags in the retained state, in order.

@@ -180,6 +180,7 @@ fn carry_out<D: Disk>(writer: &mut Writer<D, PersistedSender>) {
                 let what = match failure {
                     Failure::Write => "cannot be written",
                     Failure::Synchronisation => "cannot be synchronised with the disk",
+                    Failure::Rename => "cannot be replaced by a new file",
                 };
                 tracing::error!(
                     %error,
@@ -187,6 +188,9 @@ fn carry_out<D: Disk>(writer: &mut Writer<D, PersistedSender>) {
                 );
             }
             Action::Report(Report::Recovered) => tracing::warn!("{file}: is written again"),
+            Action::Report(Report::Refused(damage)) => tracing::error!(
+                "{file}: the tags are more than it can hold: {damage}; writes of plain tags are refused until there are fewer"
+            ),
             Action::Report(Report::Grows(error)) => {
                 tracing::warn!(%error, "{file}: cannot be written anew, so it goes on growing");
             }

@@ -4,13 +4,14 @@ use std::sync::mpsc;
 
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
+use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_realtime::Handle;
 use arcline_state::{Change, Record};
 use arcline_tag::Value;
 
 use super::state_writer::Job;
 use super::*;
-use crate::plant::{Plant, Principal};
+use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
 const TAGS: &str = r#"
 [[tag]]
@@ -116,6 +117,9 @@ fn states_of_other_machines_are_foreign() {
     );
     assert!(!only(elsewhere(), vec![tag("count", "DINT", &[0; 4])]));
     assert!(!only(vec![], vec![]), "nothing was kept: nothing to lose");
+    let own = || vec![tag("Own", "created, DINT", &[0; 4])];
+    assert!(only(elsewhere(), own()), "its axes are of another machine");
+    assert!(!only(vec![], own()), "clients create tags on any machine");
 }
 
 #[test]
@@ -172,7 +176,10 @@ fn watch() -> (ChangeTracker, mpsc::Receiver<Job>) {
         kind: String::new(),
         state: at(0.0, false),
     };
-    (ChangeTracker::new(sender, vec![axis], vec![], 1_000_000), jobs)
+    (
+        ChangeTracker::new(sender, vec![axis], KeptTags::default(), 1_000_000),
+        jobs,
+    )
 }
 
 fn show(watch: &mut ChangeTracker, tick: u64, axis: AxisSnapshot) {
@@ -337,6 +344,58 @@ async fn a_write_is_answered_when_it_is_kept() {
         Err(NotPersisted),
         "the state writer has ended"
     );
+    handle.stop();
+}
+
+/// The results of MCCP are tags, and tags are retained.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn an_instruction_is_answered_when_its_results_are_kept() {
+    let tags = "[[tag]]\nname = \"Cam\"\ntype = \"CAM[2]\"\n[[tag]]\nname = \"Profile\"\ntype = \"CAM_PROFILE[2]\"\n";
+    let text = format!("{}{tags}", arcline_config::DEFAULT);
+    let project = arcline_config::load(&text, "test").expect("a valid configuration");
+    let (plant, handle, jobs) = plant(&project);
+    let (profile, pending) = plant.transact(Principal::Server, |transaction| {
+        let path = "Cam[1].Master".parse().expect("a path");
+        transaction.write_value(&path, Value::Real(10.0)).expect("writable");
+        transaction.image().find("Profile").expect("it is there").id
+    });
+    drop(pending);
+    assert!(jobs.try_recv().is_ok());
+    let named = |name: &str| UnboundOperand::Name(name.to_owned());
+    let number = UnboundOperand::Number;
+    let operands = [named("Cam"), number(2.0), number(0.0), number(0.0), named("Profile")];
+    let call = Call {
+        mnemonic: Mnemonic::Mccp,
+        target: Some(0),
+        control: Some("Calc"),
+        operands: &operands,
+        text: None,
+    };
+    let answered = plant.apply(Principal::Server, Command::Call(call));
+    tokio::pin!(answered);
+    let job = loop {
+        let early = tokio::time::timeout(std::time::Duration::from_millis(1), &mut answered).await;
+        assert!(early.is_err(), "not before the disk has the results: {early:?}");
+        if let Ok(job) = jobs.try_recv() {
+            break job;
+        }
+    };
+    let Job::Write(Record::Changes(changes), sender) = job else {
+        panic!("{job:?}")
+    };
+    let is_kept = plant.with_image(|image| {
+        let bytes = image.bytes(profile);
+        changes
+            .iter()
+            .any(|change| matches!(change, Change::Tag { offset: 0, bytes: kept, .. } if kept == bytes))
+    });
+    assert!(is_kept, "{changes:?}");
+    sender.send(Ok(())).expect("it is waited for");
+    let Ok(Outcome::Executed(executed)) = answered.await else {
+        panic!("it is done")
+    };
+    assert_eq!(executed.control.err, 0);
+    assert!(plant.with_image(|image| image.bytes(profile).iter().any(|byte| *byte != 0)));
     handle.stop();
 }
 

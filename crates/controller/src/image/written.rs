@@ -27,7 +27,12 @@ impl Image {
         self.written.get_or_insert_default();
     }
 
-    /// The parts of plain tags written since the last call, in order.
+    /// Whether parts of plain tags have been written since the last [`Image::take_written`].
+    pub fn has_written(&self) -> bool {
+        self.written.as_ref().is_some_and(|written| !written.is_empty())
+    }
+
+    /// The parts of plain tags written since the last call: without overlaps, and few for each tag.
     pub fn take_written(&mut self) -> Vec<WrittenPart> {
         self.written.as_mut().map(std::mem::take).unwrap_or_default()
     }
@@ -51,7 +56,43 @@ impl Image {
         }
         let plain = self.tag(id).is_some_and(|tag| tag.kind == TagKind::Plain);
         if let Some(written) = self.written.as_mut().filter(|_| plain && length > 0) {
-            written.push(WrittenPart { id, offset, length });
+            add_part(written, WrittenPart { id, offset, length });
         }
     }
 }
+
+/// Adds a part to those that wait. Parts of one tag that overlap or touch become one, and so do all of a tag that has many, so that
+/// what waits is never more than the tags.
+fn add_part(written: &mut Vec<WrittenPart>, new: WrittenPart) {
+    let mut joined = new;
+    let are_many = written.iter().filter(|part| part.id == new.id).count() >= MOST_PARTS;
+    written.retain(|part| {
+        let touches = part.offset <= joined.end() && joined.offset <= part.end();
+        let joins = part.id == joined.id && (touches || are_many);
+        if joins {
+            joined = joined.with(part);
+        }
+        !joins
+    });
+    written.push(joined);
+}
+
+impl WrittenPart {
+    /// The byte behind it.
+    fn end(&self) -> usize {
+        self.offset + self.length
+    }
+
+    /// The least part that has both.
+    fn with(self, other: &WrittenPart) -> WrittenPart {
+        let offset = self.offset.min(other.offset);
+        WrittenPart {
+            length: self.end().max(other.end()) - offset,
+            offset,
+            ..self
+        }
+    }
+}
+
+/// Parts of one tag that wait apart: more than the writes of one message.
+const MOST_PARTS: usize = 1024;

@@ -156,7 +156,7 @@ impl Scene {
                     files.insert(*inode, (0, None));
                 }
                 Call::Append(inode, _) => files.get_mut(inode).expect("created").0 = *sent,
-                Call::FailedAppend(..) | Call::Overwrite(..) => {}
+                Call::FailedAppend(..) | Call::FailedRename(..) | Call::Overwrite(..) => {}
                 Call::Sync(inode) if !bad.contains(inode) => {
                     let (records, synchronised) = files.get_mut(inode).expect("created");
                     *synchronised = Some(*records);

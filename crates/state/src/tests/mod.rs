@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 
+use crate::recording::{Kind, Recording};
 use crate::*;
 
 mod crashes;
@@ -154,6 +155,11 @@ fn a_table_of_tags_that_does_not_fit_refuses_the_changes_that_count_on_it() {
         keep(&mut writer, change()),
         Err(NotPersisted),
         "of a tag of the other table"
+    );
+    assert_eq!(
+        keep(&mut writer, Record::Changes(vec![moved(0, 7.0, false)])),
+        Ok(()),
+        "axes are as before"
     );
     assert_eq!(keep(&mut writer, Record::State(first())), Ok(()));
     assert_eq!(keep(&mut writer, change()), Ok(()));
@@ -427,6 +433,53 @@ fn a_long_file_is_written_anew_while_changes_go_on() {
     step(&mut writer);
     let short = fs::metadata(&file).expect("it is there").len();
     assert!(short < 50_000 && 100_000 < long, "from {long} to {short} bytes");
+}
+
+/// A reader would take it for damage, and everything behind it with it.
+#[test]
+fn a_record_that_is_longer_than_a_reader_takes_is_refused_and_the_state_written_anew() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("machine.state");
+    let mut large = first();
+    large.tags[1].bytes = vec![0; MAX_TAG_BYTES];
+    let mut writer = begin(&file, large.clone());
+    let all = Record::Changes(vec![written(1, 0, &vec![7; MAX_TAG_BYTES]); 17]);
+    assert_eq!(keep(&mut writer, all), Err(NotPersisted));
+    large.tags[1].bytes.fill(7);
+    let later = Duration::from_secs(2);
+    for _ in 0..2 {
+        let task = writer.turn(later).expect("it is written anew");
+        writer.ended(task.run(), later);
+    }
+    assert_eq!(read_unlocked(&file), large);
+    assert_eq!(keep(&mut writer, Record::Changes(vec![written(1, 0, &[1])])), Ok(()));
+}
+
+/// Its room on a full disk is that of others.
+#[test]
+fn a_new_file_that_cannot_be_written_is_emptied() {
+    let disk = Recording::default();
+    let file = Path::new("machine.state");
+    let locked = LockedFile::lock_on(disk.clone(), file.to_owned()).expect("a lock");
+    let pace = Pace {
+        growth: 1000,
+        ..Pace::default()
+    };
+    let mut writer: Writer<Recording, ()> = Writer::start(locked, first(), pace, Duration::ZERO);
+    disk.fail(Box::new(|_, kind| kind == Kind::Sync));
+    let task = std::iter::from_fn(|| {
+        writer.keep(Record::Changes(vec![written(0, 0, &[1]); 100]), ());
+        Some(writer.turn(Duration::ZERO))
+    });
+    let task = task.flatten().next().expect("it has grown");
+    writer.ended(task.run(), Duration::ZERO);
+    let beside = disk.read(Path::new("machine.state.new"), MAX_FILE);
+    assert_eq!(beside.expect("it is read"), Some(Vec::new()));
+    assert!(
+        writer
+            .actions()
+            .any(|action| matches!(action, Action::Report(Report::Grows(_))))
+    );
 }
 
 #[test]
