@@ -1,15 +1,14 @@
 //! Dense toolpaths through a queue of 1,000 moves, sent a little faster than they are travelled: the motion begins at once and never rests
 //! on the way, inside the limits at every tick.
 
+use arcline_tests::random::is_long;
 use arcline_tests::streams::{Feed, Latency, STREAMS, limits, travel};
-
-const MOVES: usize = 1500;
 
 #[test]
 fn a_stream_that_is_sent_faster_than_it_is_travelled_never_rests() {
     for stream in STREAMS {
         for jerk in [None, Some(100_000.0)] {
-            let moves = stream.moves(MOVES, jerk);
+            let moves = stream.moves(if is_long() { 1500 } else { 500 }, jerk);
             let kept = limits(jerk);
             let feed = Feed {
                 depth: 1000,
