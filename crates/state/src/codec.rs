@@ -16,6 +16,20 @@ pub enum Record {
 }
 
 impl Record {
+    /// The bytes of tags in it.
+    pub fn tag_bytes(&self) -> usize {
+        match self {
+            Record::State(state) => state.tags.iter().map(|tag| tag.bytes.len()).sum(),
+            Record::Changes(changes) => changes
+                .iter()
+                .map(|change| match change {
+                    Change::Axis { .. } => 0,
+                    Change::Tag { bytes, .. } => bytes.len(),
+                })
+                .sum(),
+        }
+    }
+
     /// Whether it changes nothing but axes.
     pub(crate) fn is_of_axes(&self) -> bool {
         match self {

@@ -4,7 +4,6 @@
 //! queues them up.
 
 use std::collections::BTreeMap;
-use std::sync::mpsc;
 
 use arcline_controller::image::{Image, TagId};
 use arcline_controller::{AxisSnapshot, Snapshot};
@@ -13,17 +12,16 @@ use arcline_state::planted::is_planted;
 use arcline_state::{Axis, AxisState, Change, Record, RetainedState, Tag};
 use tokio::sync::oneshot;
 
-use super::state_writer::{Job, NotPersisted};
+use super::state_writer::{NotPersisted, PersistedReceiver, RecordSender};
 use super::tags_of;
-
-/// Reports that the disk has a change, or that it does not.
-pub(crate) type PersistedReceiver = oneshot::Receiver<Result<(), NotPersisted>>;
 
 /// Detects changes and sends them to the state writer.
 #[derive(Debug)]
 pub(crate) struct ChangeTracker {
-    jobs: mpsc::Sender<Job>,
+    records: RecordSender,
     tags: KeptTags,
+    /// A record of tags was lost: the next one is the whole state.
+    lost: bool,
     /// The changes of the table of tags that have been seen.
     table: u32,
     /// The axes as they were last sent.
@@ -57,10 +55,11 @@ impl KeptTags {
 
 impl ChangeTracker {
     /// `axes` is how they stand in the state, in configuration order.
-    pub(super) fn new(jobs: mpsc::Sender<Job>, axes: Vec<Axis>, tags: KeptTags, period_ns: u64) -> Self {
+    pub(super) fn new(records: RecordSender, axes: Vec<Axis>, tags: KeptTags, period_ns: u64) -> Self {
         ChangeTracker {
-            jobs,
+            records,
             tags,
+            lost: false,
             // No change of the table has been seen.
             table: u32::MAX,
             axes,
@@ -96,13 +95,13 @@ impl ChangeTracker {
     }
 
     fn table(&mut self, image: &Image) -> Option<PersistedReceiver> {
-        if image.table_changes() == self.table {
+        if image.table_changes() == self.table && !self.lost {
             return None;
         }
         self.table = image.table_changes();
         let (tags, ids) = tags_of(image);
         let kept = KeptTags::new(&tags, ids);
-        if kept == self.tags {
+        if kept == self.tags && !std::mem::take(&mut self.lost) {
             return None;
         }
         self.tags = kept;
@@ -157,15 +156,17 @@ impl ChangeTracker {
         .collect()
     }
 
-    fn send_changes(&self, changes: Vec<Change>) -> Option<PersistedReceiver> {
+    fn send_changes(&mut self, changes: Vec<Change>) -> Option<PersistedReceiver> {
         (!changes.is_empty()).then(|| self.send(Record::Changes(changes)))
     }
 
-    fn send(&self, record: Record) -> PersistedReceiver {
-        let (sender, receiver) = oneshot::channel();
-        // A state writer that has ended drops the sender, and so answers.
-        let _ = self.jobs.send(Job::Write(record, sender));
-        receiver
+    fn send(&mut self, record: Record) -> PersistedReceiver {
+        self.records.send(record).unwrap_or_else(|| {
+            self.lost = true;
+            let (sender, receiver) = oneshot::channel();
+            let _ = sender.send(Err(NotPersisted));
+            receiver
+        })
     }
 }
 

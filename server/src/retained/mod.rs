@@ -12,7 +12,6 @@ pub(crate) mod tests;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc;
 use std::time::Duration;
 
 use arcline_config::Project;
@@ -24,10 +23,11 @@ use arcline_state::{
 };
 use arcline_tag::TagPath;
 
+pub(crate) use change_tracker::ChangeTracker;
 use change_tracker::KeptTags;
-pub(crate) use change_tracker::{ChangeTracker, PersistedReceiver};
 pub use state_writer::NotPersisted;
-pub(crate) use state_writer::{Job, StateWriter, Turn, WriterWorker};
+use state_writer::RecordSender;
+pub(crate) use state_writer::{Job, PersistedReceiver, StateWriter, Turn, WriterWorker};
 
 /// A project's retained state, read from its file and stored again.
 pub(crate) struct Retained {
@@ -115,7 +115,7 @@ impl Retained {
         let axes = state.axes.clone();
         let writer =
             StateWriter::start(locked, state).map_err(|error| RetainError::Thread { file: at(file), error })?;
-        let watch = ChangeTracker::new(writer.jobs(), axes, tags, project.machine.period_ns);
+        let watch = ChangeTracker::new(writer.records(), axes, tags, project.machine.period_ns);
         Ok(Retained { image, watch, writer })
     }
 }
@@ -204,9 +204,9 @@ impl<D: Disk> SteppedState<D> {
             state,
             tags,
         } = Start::from(locked, project)?;
-        let (jobs, next) = mpsc::channel();
-        let watch = ChangeTracker::new(jobs, state.axes.clone(), tags, project.machine.period_ns);
-        let worker = WriterWorker::start(locked, state, pace, Duration::ZERO, next);
+        let (records, queue) = RecordSender::channel();
+        let watch = ChangeTracker::new(records, state.axes.clone(), tags, project.machine.period_ns);
+        let worker = WriterWorker::start(locked, state, pace, Duration::ZERO, queue);
         Ok(SteppedState { image, watch, worker })
     }
 }

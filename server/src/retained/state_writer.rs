@@ -6,18 +6,88 @@
 //! [`WriterWorker`] is one turn of the first thread; a simulation makes the turns itself (`stepped`).
 
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 pub use arcline_state::NotPersisted;
 use arcline_state::{
-    Action, Disk, Ended, Failure, LockedFile, Pace, Record, Report, RetainedState, System, Task, Writer,
+    Action, Disk, Ended, Failure, LockedFile, MAX_TOTAL, Pace, Record, Report, RetainedState, System, Task, Writer,
 };
 use tokio::sync::oneshot;
 
 /// Carries the answer: the disk has the record, or it does not.
 type PersistedSender = oneshot::Sender<Result<(), NotPersisted>>;
+
+/// The channel of records to the thread that writes. A disk that hangs must not fill the memory with what waits for it.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordSender {
+    jobs: mpsc::Sender<Job>,
+    /// Bytes of tags in the records that wait.
+    waiting: Arc<AtomicUsize>,
+}
+
+impl RecordSender {
+    /// The channel: its records, and the queue of the thread.
+    pub(super) fn channel() -> (RecordSender, JobQueue) {
+        let (jobs, next) = mpsc::channel();
+        let waiting = Arc::<AtomicUsize>::default();
+        let queue = JobQueue {
+            jobs: next,
+            waiting: waiting.clone(),
+        };
+        (RecordSender { jobs, waiting }, queue)
+    }
+
+    /// Sends a record; `None`: as much waits as may wait, and the record is lost.
+    pub(super) fn send(&self, record: Record) -> Option<PersistedReceiver> {
+        let bytes = record.tag_bytes();
+        let before = self.waiting.fetch_add(bytes, Ordering::AcqRel);
+        if before + bytes > MOST_WAITING {
+            self.waiting.fetch_sub(bytes, Ordering::AcqRel);
+            return None;
+        }
+        let (sender, receiver) = oneshot::channel();
+        // A thread that has ended drops the sender, and so answers.
+        let _ = self.jobs.send(Job::Write(record, sender));
+        Some(receiver)
+    }
+}
+
+/// The queue of the thread that writes.
+#[derive(Debug)]
+pub(crate) struct JobQueue {
+    jobs: mpsc::Receiver<Job>,
+    waiting: Arc<AtomicUsize>,
+}
+
+impl JobQueue {
+    /// The next job, if one waits.
+    pub(super) fn try_next(&self) -> Option<Job> {
+        self.jobs.try_recv().ok().map(|job| self.taken(job))
+    }
+
+    /// Waits for the next job, at most this long.
+    fn next(&self, within: Option<Duration>) -> Result<Job, RecvTimeoutError> {
+        let job = match within {
+            Some(within) => self.jobs.recv_timeout(within)?,
+            None => self.jobs.recv().map_err(|_| RecvTimeoutError::Disconnected)?,
+        };
+        Ok(self.taken(job))
+    }
+
+    fn taken(&self, job: Job) -> Job {
+        if let Job::Write(record, _) = &job {
+            self.waiting.fetch_sub(record.tag_bytes(), Ordering::AcqRel);
+        }
+        job
+    }
+}
+
+/// Reports that the disk has a change, or that it does not.
+pub(crate) type PersistedReceiver = oneshot::Receiver<Result<(), NotPersisted>>;
 
 /// A message to the thread that writes.
 #[derive(Debug)]
@@ -33,7 +103,7 @@ pub(crate) enum Job {
 /// The thread that writes.
 #[derive(Debug)]
 pub(crate) struct StateWriter {
-    jobs: mpsc::Sender<Job>,
+    records: RecordSender,
     thread: JoinHandle<io::Result<()>>,
 }
 
@@ -46,8 +116,8 @@ impl StateWriter {
     pub(super) fn start(locked: LockedFile, state: RetainedState) -> io::Result<Self> {
         // The channel has one task at a time, so a send never waits.
         let (disk, tasks) = mpsc::sync_channel::<Task<System>>(1);
-        let (jobs, next) = mpsc::channel();
-        let done = jobs.clone();
+        let (records, next) = RecordSender::channel();
+        let done = records.jobs.clone();
         thread::Builder::new().name("arcline-sync".to_owned()).spawn(move || {
             for task in tasks {
                 if done.send(Job::Ended(task.run())).is_err() {
@@ -60,12 +130,12 @@ impl StateWriter {
         let thread = thread::Builder::new()
             .name("arcline-state".to_owned())
             .spawn(move || run(worker, begun, &disk))?;
-        Ok(StateWriter { jobs, thread })
+        Ok(StateWriter { records, thread })
     }
 
-    /// The channel for records.
-    pub(super) fn jobs(&self) -> mpsc::Sender<Job> {
-        self.jobs.clone()
+    /// The channel of records.
+    pub(super) fn records(&self) -> RecordSender {
+        self.records.clone()
     }
 
     /// Writes everything that was sent, synchronises it, and ends.
@@ -74,7 +144,7 @@ impl StateWriter {
     /// When the file could not be written.
     pub(crate) fn close(self) -> io::Result<()> {
         // A thread that is gone has said why.
-        let _ = self.jobs.send(Job::Close);
+        let _ = self.records.jobs.send(Job::Close);
         self.thread
             .join()
             .unwrap_or_else(|_| Err(io::Error::other("the thread that writes it has failed")))
@@ -83,11 +153,8 @@ impl StateWriter {
 
 fn run(mut worker: WriterWorker<System>, begun: Instant, disk: &mpsc::SyncSender<Task<System>>) -> io::Result<()> {
     loop {
-        let first = match worker.due() {
-            Some(due) => worker.jobs.recv_timeout(due.saturating_sub(begun.elapsed())),
-            None => worker.jobs.recv().map_err(|_| RecvTimeoutError::Disconnected),
-        };
-        let first = match first {
+        let within = worker.due().map(|due| due.saturating_sub(begun.elapsed()));
+        let first = match worker.queue.next(within) {
             Ok(job) => Some(job),
             Err(RecvTimeoutError::Timeout) => None,
             // The state writer was dropped, not closed.
@@ -106,7 +173,7 @@ fn run(mut worker: WriterWorker<System>, begun: Instant, disk: &mpsc::SyncSender
 #[derive(Debug)]
 pub(crate) struct WriterWorker<D: Disk> {
     writer: Writer<D, PersistedSender>,
-    jobs: mpsc::Receiver<Job>,
+    queue: JobQueue,
 }
 
 /// The end of a turn.
@@ -127,11 +194,11 @@ impl<D: Disk> WriterWorker<D> {
         state: RetainedState,
         pace: Pace,
         now: Duration,
-        jobs: mpsc::Receiver<Job>,
+        queue: JobQueue,
     ) -> Self {
         let mut writer = Writer::start(locked, state, pace, now);
         carry_out(&mut writer);
-        WriterWorker { writer, jobs }
+        WriterWorker { writer, queue }
     }
 
     /// When the next turn is due without a job.
@@ -150,7 +217,7 @@ impl<D: Disk> WriterWorker<D> {
                 Job::Close => close = true,
             }
             let more = !close && self.writer.waiting() < MAX_BATCH;
-            next = more.then(|| self.jobs.try_recv().ok()).flatten();
+            next = more.then(|| self.queue.try_next()).flatten();
         }
         if close {
             let closed = self.writer.close(now);
@@ -164,7 +231,7 @@ impl<D: Disk> WriterWorker<D> {
 
     /// As [`WriterWorker::turn`] with the first job that waits, if one does.
     pub(crate) fn step(&mut self, now: Duration) -> Turn<D> {
-        let first = self.jobs.try_recv().ok();
+        let first = self.queue.try_next();
         self.turn(first, now)
     }
 }
@@ -200,3 +267,5 @@ fn carry_out<D: Disk>(writer: &mut Writer<D, PersistedSender>) {
 
 /// Records that one write takes.
 const MAX_BATCH: usize = 1024;
+/// Bytes of tags that wait for the thread at most: a whole state, and changes of another one.
+const MOST_WAITING: usize = 2 * MAX_TOTAL;

@@ -1,15 +1,13 @@
 //! The take-over of a state, the detection of changes, and the answer to a write that cannot be stored.
 
-use std::sync::mpsc;
-
 use arcline_controller::{AxisSnapshot, Snapshot};
 use arcline_instruction_set::predefined::{axis_status, cip_axis_status, motion_status};
 use arcline_instruction_set::{Mnemonic, UnboundOperand};
 use arcline_realtime::Handle;
 use arcline_state::{Change, Record};
-use arcline_tag::Value;
+use arcline_tag::{Elementary, TagType, Value};
 
-use super::state_writer::Job;
+use super::state_writer::{Job, JobQueue, RecordSender};
 use super::*;
 use crate::plant::{Call, Command, Outcome, Plant, Principal};
 
@@ -169,8 +167,8 @@ fn moving(position: f64) -> AxisSnapshot {
 }
 
 /// A tracker of one axis that rests at 0, and the messages that it sends.
-fn watch() -> (ChangeTracker, mpsc::Receiver<Job>) {
-    let (sender, jobs) = mpsc::channel();
+fn watch() -> (ChangeTracker, JobQueue) {
+    let (sender, queue) = RecordSender::channel();
     let axis = Axis {
         name: "X".to_owned(),
         kind: String::new(),
@@ -178,7 +176,7 @@ fn watch() -> (ChangeTracker, mpsc::Receiver<Job>) {
     };
     (
         ChangeTracker::new(sender, vec![axis], KeptTags::default(), 1_000_000),
-        jobs,
+        queue,
     )
 }
 
@@ -188,8 +186,8 @@ fn show(watch: &mut ChangeTracker, tick: u64, axis: AxisSnapshot) {
 }
 
 /// The axis in the sent message; the disk has it at once.
-fn sent(jobs: &mpsc::Receiver<Job>) -> Option<AxisState> {
-    let Ok(Job::Write(Record::Changes(changes), answer)) = jobs.try_recv() else {
+fn sent(jobs: &JobQueue) -> Option<AxisState> {
+    let Some(Job::Write(Record::Changes(changes), answer)) = jobs.try_next() else {
         return None;
     };
     let [Change::Axis { axis: 0, state }] = changes[..] else {
@@ -273,17 +271,47 @@ fn an_axis_at_rest_is_where_its_drive_holds_it() {
 fn a_slow_disk_makes_axes_come_less_often() {
     let (mut watch, jobs) = watch();
     show(&mut watch, 1, moving(0.5));
-    let Ok(Job::Write(_, slow)) = jobs.try_recv() else {
+    let Some(Job::Write(_, slow)) = jobs.try_next() else {
         panic!("nothing was sent")
     };
     for tick in 2..1000 {
         show(&mut watch, tick, moving(tick as f64));
-        assert!(jobs.try_recv().is_err(), "one is on its way");
+        assert!(jobs.try_next().is_none(), "one is on its way");
     }
     show(&mut watch, 1000, resting(7.0));
     slow.send(Err(NotPersisted)).expect("the watch waits for it");
     show(&mut watch, 1001, resting(7.0));
     assert_eq!(sent(&jobs), Some(at(7.0, false)), "what it has become meanwhile");
+}
+
+/// A disk that hangs does not fill the memory: what finds no room is refused, and the whole state follows when there is room again.
+#[test]
+fn what_waits_for_the_disk_is_bounded() {
+    let mut image = project().image();
+    image.remember_written();
+    let large = image::PlainTag::new("Large", TagType::array(Elementary::Sint, 8_000_000));
+    let large = image.create(&large).expect("room");
+    let (sender, queue) = RecordSender::channel();
+    let mut watch = ChangeTracker::new(sender, Vec::new(), KeptTags::default(), 1_000_000);
+    let mut write = |image: &mut Image, value: u8| {
+        image.write(large, 0, &vec![value; 8_000_000]).expect("a plain tag");
+        watch.tags(image).expect("there is a change")
+    };
+    let waiting: Vec<PersistedReceiver> = (0..40).map(|value| write(&mut image, value)).collect();
+    let is_refused = |mut answer: PersistedReceiver| answer.try_recv() == Ok(Err(NotPersisted));
+    let refused = waiting.into_iter().map(is_refused).collect::<Vec<_>>();
+    let found_room = refused.iter().take_while(|refused| !**refused).count();
+    assert!((8..=16).contains(&found_room), "{refused:?}");
+    assert!(refused[found_room..].iter().all(|refused| *refused), "{refused:?}");
+    while queue.try_next().is_some() {}
+    drop(write(&mut image, 77));
+    let Some(Job::Write(Record::State(state), _)) = queue.try_next() else {
+        panic!("changes were lost")
+    };
+    let kept = state.tags.iter().find(|tag| tag.name == "Large").expect("it is kept");
+    assert!(kept.bytes.iter().all(|byte| *byte == 77));
+    drop(write(&mut image, 78));
+    assert!(matches!(queue.try_next(), Some(Job::Write(Record::Changes(_), _))));
 }
 
 /// A plant whose state never reaches the disk.
@@ -293,15 +321,15 @@ pub(crate) fn plant_that_cannot_keep(project: &Project) -> (Plant, Handle) {
 }
 
 /// A plant whose state the test keeps.
-fn plant(project: &Project) -> (Plant, Handle, mpsc::Receiver<Job>) {
+fn plant(project: &Project) -> (Plant, Handle, JobQueue) {
     let mut image = project.image();
     image.remember_written();
-    let (sender, jobs) = mpsc::channel();
+    let (sender, queue) = RecordSender::channel();
     let (state, tags) = state_of(project, &image);
     let watch = ChangeTracker::new(sender, state.axes, tags, project.machine.period_ns);
     let (plant, handle) =
         Plant::start_with(project, image, Some(watch), arcline_realtime::Clock::Real).expect("a thread");
-    (plant, handle, jobs)
+    (plant, handle, queue)
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -319,10 +347,10 @@ async fn a_write_is_answered_when_it_is_kept() {
         .complete(write("Move1.Speed"))
         .await
         .expect("an operand is not retained");
-    assert!(jobs.try_recv().is_err(), "operands of instructions are not retained");
+    assert!(jobs.try_next().is_none(), "operands of instructions are not retained");
     for answer in [Ok(()), Err(NotPersisted)] {
         let written = write("Recipe[1]");
-        let Ok(Job::Write(Record::Changes(changes), sender)) = jobs.try_recv() else {
+        let Some(Job::Write(Record::Changes(changes), sender)) = jobs.try_next() else {
             panic!("nothing was sent")
         };
         let expected = Change::Tag {
@@ -360,7 +388,7 @@ async fn an_instruction_is_answered_when_its_results_are_kept() {
         transaction.image().find("Profile").expect("it is there").id
     });
     drop(pending);
-    assert!(jobs.try_recv().is_ok());
+    assert!(jobs.try_next().is_some());
     let named = |name: &str| UnboundOperand::Name(name.to_owned());
     let number = UnboundOperand::Number;
     let operands = [named("Cam"), number(2.0), number(0.0), number(0.0), named("Profile")];
@@ -376,7 +404,7 @@ async fn an_instruction_is_answered_when_its_results_are_kept() {
     let job = loop {
         let early = tokio::time::timeout(std::time::Duration::from_millis(1), &mut answered).await;
         assert!(early.is_err(), "not before the disk has the results: {early:?}");
-        if let Ok(job) = jobs.try_recv() {
+        if let Some(job) = jobs.try_next() {
             break job;
         }
     };
