@@ -9,6 +9,7 @@ import sys
 import textwrap
 import time
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -146,6 +147,57 @@ def test_a_server_ends_with_the_process_that_started_it_however_that_ends():
     pid = int(starter.stdout.readline())
     starter.send_signal(signal.SIGKILL)
     starter.wait()
+    ends(pid)
+
+
+@needs_server
+def test_a_server_closes_at_once_while_a_forked_child_lives():
+    server = Server()
+    child = get_context("fork").Process(target=time.sleep, args=(600,))
+    child.start()
+    try:
+        began = time.monotonic()
+        assert server.close() == 0
+        assert time.monotonic() - began < 5
+    finally:
+        child.kill()
+        child.join()
+
+
+@needs_server
+def test_a_forked_child_does_not_end_the_server_of_its_parent():
+    with Server() as server:
+        child = get_context("fork").Process(target=server.close)
+        child.start()
+        child.join(20)
+        assert child.exitcode == 0 and connects(server)
+
+
+@needs_server
+def test_a_server_ends_with_its_process_while_a_forked_child_of_that_lives():
+    code = textwrap.dedent(
+        """
+        import time
+        from multiprocessing import get_context
+        from arcline.server import Server
+        server = Server()
+        child = get_context("fork").Process(target=time.sleep, args=(600,))
+        child.start()
+        print(server.pid, child.pid, flush=True)
+        time.sleep(600)
+        """
+    )
+    starter = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    pid, child = map(int, starter.stdout.readline().split())
+    starter.send_signal(signal.SIGKILL)
+    starter.wait()
+    try:
+        ends(pid)
+    finally:
+        os.kill(child, signal.SIGKILL)
+
+
+def ends(pid):
     deadline = time.monotonic() + 20
     while os.path.exists(f"/proc/{pid}/exe") and _state(pid) != "Z":
         assert time.monotonic() < deadline, "the server lives on"
