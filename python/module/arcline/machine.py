@@ -49,8 +49,8 @@ class Machine(_arcline.Machine):
 
     ``plant`` is a callable of ``(set_points, feedback)``, called once in every tick: it gets the set-points of the axes (:class:`SetPoints`) and writes
     where they are (:class:`Feedback`). ``plant_axes`` names the axes that it moves; without it they are all that have a drive. An exception of
-    the plant is raised by the call that lets time pass; its axes have the fault ``drive`` then, and the plant is not called any more. A
-    machine with a plant cannot be saved.
+    the plant is raised by the call that lets time pass; its axes have the fault ``drive`` then, and the plant is not called any more. Ctrl-C while
+    the plant is at work is no exception of the plant: the tick passes with the feedback of the one before. A machine with a plant cannot be saved.
 
     >>> m = Machine()
     >>> m["Move1.Speed"] = 250.0
