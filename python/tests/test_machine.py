@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -123,6 +124,46 @@ def test_a_trace_fills_arrays_in_place():
         m.trace(["Q.CommandPosition"], 10)
 
 
+def test_a_trace_without_signals_lets_time_pass():
+    m = arcline.Machine()
+    assert m.trace([], 5).shape == (5, 0) and m.tick == 5
+    state = m.save()
+    m.step(3)
+    m.restore(state)
+    assert m.tick == 5
+    assert arcline.simulate("DELAY(0.1);", trace=[]).trace.size == 0
+
+
+def test_a_trace_that_does_not_fit_into_memory_is_an_error():
+    m = arcline.Machine()
+    with pytest.raises(MemoryError):
+        m.trace(["X.CommandPosition"], 10**13)
+    assert m.tick == 0
+
+
+def test_a_trace_of_simulate_is_not_copied():
+    tracemalloc.start()
+    try:
+        trace = arcline.simulate("DELAY(100);", trace=["X.CommandPosition", "Y.CommandPosition"]).trace
+        assert trace.shape == (100_001, 2) and trace.flags.c_contiguous and trace.flags.writeable
+        assert tracemalloc.get_traced_memory()[1] < trace.nbytes / 2
+    finally:
+        tracemalloc.stop()
+
+
+def test_integers_of_numpy_are_exact():
+    m = arcline.Machine(arcline.DEFAULT_CONFIG + '\n[[tag]]\nname = "Long"\ntype = "LINT"\n\n[[tag]]\nname = "Word"\ntype = "LINT[2]"\n')
+    for number in (np.int64(2**62 + 1), np.int64(-(2**63)), np.uint64(2**62 + 3), np.uint8(7), np.array(2**62 + 1)):
+        m["Long"] = number
+        assert m["Long"] == int(number), repr(number)
+    m["Word"] = np.array([2**62 + 1, -(2**62) - 1])
+    assert m["Word"] == [2**62 + 1, -(2**62) - 1]
+    with pytest.raises(arcline.TagValueError):
+        m["Long"] = np.uint64(2**63)
+    m["Move1.EnableIn"] = np.True_
+    assert m["Move1.EnableIn"] is True
+
+
 def test_programs_run_beside_each_other():
     m = arcline.Machine()
     first = m.program(MOVE + "WAIT(M1.PC);")
@@ -193,20 +234,69 @@ def test_events_tell_the_life_of_a_move():
     assert m.events() == []
 
 
-def test_ctrl_c_ends_a_run():
+def test_a_restored_machine_gives_no_event_again():
     m = arcline.Machine()
-    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
-    began = time.monotonic()
+    m.events()
+    m.program(MOVE).wait()
+    m.step()
+    state = m.save()
+    assert m.events()
+    m.restore(state)
+    assert m.events() == []
+    p = m.program("MSO(X, On);")
+    m.step()
+    assert [event.tag for event in m.events()] == ["On"] and p.done
+
+
+LONG_CASES = [{"text": "DELAY(1e6);", "until": 1e7}] * 3
+
+
+@pytest.mark.parametrize(
+    ("made", "long"),
+    [
+        (arcline.Machine, lambda m: m.run(1e8)),
+        (arcline.Machine, lambda m: m.trace([f"Move{1 + n % 2}.Position[{n % 3}]" for n in range(200)], 100_000)),
+        (lambda: arcline.Batch(n=2_000), lambda b: b.step(100_000)),
+        (lambda: None, lambda _: arcline.Batch(n=10_000)),
+        (lambda: None, lambda _: arcline.simulate("DELAY(1e6);", until=1e7)),
+        (lambda: None, lambda _: arcline.simulate_many(LONG_CASES)),
+        (lambda: None, lambda _: arcline.simulate_many(LONG_CASES, threads=2)),
+    ],
+    ids=["run", "trace", "Batch", "new_Batch", "simulate", "simulate_many", "simulate_many_on_threads"],
+)
+def test_ctrl_c_ends_what_takes_long(made, long):
+    made, sent = made(), []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.3, interrupt)
     # A shell lets its background jobs ignore it.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with pytest.raises(KeyboardInterrupt):
+            timer.start()
+            long(made)
+        assert time.monotonic() - sent[0] < 1
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_machine_goes_on_after_ctrl_c():
+    m = arcline.Machine()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
             m.run(1e8)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - began < 10
+    tick = m.tick
+    again = pickle.loads(pickle.dumps(m))
     m.step(1)
+    assert m.tick == tick + 1 and again.tick == tick
 
 
 def test_other_threads_run_while_time_passes():

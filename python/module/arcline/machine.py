@@ -152,13 +152,12 @@ class Machine(_arcline.Machine):
 
     def restore(self, state: bytes) -> None:
         """Brings the machine to a state of :meth:`save`, to the bit. It takes as long as to run there. Programs are those of the state:
-        programs that were started by then go on, those that were started since are gone.
+        programs that were started by then go on, those that were started since are gone. :meth:`events` has those behind the state.
 
         Read states of your own only: as everything that is pickled, a state of a stranger can run code.
         """
         config, _, journal = pickle.loads(state)
-        self._restart(config)
-        self._replay(journal)
+        self._restore(config, journal)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, self._journal()
