@@ -372,6 +372,85 @@ def test_a_batch_steps_all_machines():
         b.read(7, "X.CommandPosition")
 
 
+def test_a_batch_tells_the_errors_of_its_programs():
+    text = "MAM(X, M1, Absolute, 5, Move1.Speed, Unitspersec, 500, Unitspersec2, 500, Unitspersec2); WAIT(M1.PC);"
+    b = arcline.Batch(n=4)
+    assert b.errors() == [None] * 4 and b.done.tolist() == [True] * 4 and b.done.dtype == bool
+    b.write("Move1.Speed", np.array([50.0, -1.0, 60.0, 50.0]))
+    b.program(text, mask=np.array([True, True, True, False]))
+    single = arcline.Machine(set={"Move1.Speed": -1.0}).program(text)
+    errors = b.errors()
+    assert errors[0] is errors[2] is errors[3] is None
+    assert type(errors[1]) is type(single.error) is arcline.MotionError and errors[1].args == single.error.args
+    assert (errors[1].err, errors[1].exerr) == (13, 4)
+    assert b.done.tolist() == [False, True, False, True]
+    b.step(1000)
+    assert b.done.tolist() == [True] * 4 and b.read(0, "X.CommandPosition") == 5.0
+    # The first error of several programs stays until the machine begins anew.
+    b.program("MSO(X, On);")
+    b.program("WAIT(X.ActualPosition > 100);")
+    assert b.errors()[1].args == single.error.args
+    b.step(70_000)
+    assert isinstance(b.errors()[0], arcline.ProgramError) and "at rest" in str(b.errors()[0])
+    b.reset(np.array([False, True, False, False]))
+    assert b.errors()[1] is None and b.errors()[0] is not None and b.done.all()
+
+
+def test_a_batch_writes_numbers_of_all_types_to_each_machine():
+    config = arcline.DEFAULT_CONFIG + "".join(
+        f'\n[[tag]]\nname = "A{kind}"\ntype = "{kind}"\n' for kind in ("DINT", "LINT", "LREAL", "BOOL", "LREAL[3]")
+    ).replace('ALREAL[3]"', 'Steps"')
+    b = arcline.Batch(config, n=3)
+
+    def read(path):
+        return [b.read(index, path) for index in range(3)]
+
+    for kind in (np.int8, np.uint16, np.int32, np.int64, np.float32, np.float64, ">i4"):
+        b.write("ADINT", np.array([1, 2, 3], dtype=kind))
+        assert read("ADINT") == [1, 2, 3], kind
+        b.write("ADINT", 0)
+    b.write("ALINT", np.array([2**62 + 1, -(2**62) - 1, 5]))
+    assert read("ALINT") == [2**62 + 1, -(2**62) - 1, 5]
+    b.write("ABOOL", np.array([True, False, True]))
+    assert read("ABOOL") == [True, False, True]
+    b.write("ALREAL", np.arange(6.0)[::2])
+    assert read("ALREAL") == [0.0, 2.0, 4.0]
+    b.write("ALREAL", np.array(7))
+    assert read("ALREAL") == [7.0] * 3
+    # Of an array tag: a list is for each machine, a table has a row for each, and a column of numbers does not fit.
+    b.write("Steps", [1.0, 2.0, 3.0])
+    assert read("Steps") == [[1.0, 2.0, 3.0]] * 3
+    b.write("Steps", np.arange(9).reshape(3, 3))
+    assert read("Steps") == [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]
+    with pytest.raises(arcline.TagValueError, match="Steps is an array: expected a row for each machine"):
+        b.write("Steps", np.array([1.0, 2.0, 3.0]))
+    for wrong in (np.zeros(2), np.zeros((2, 3)), np.zeros(2, dtype=int)):
+        with pytest.raises(ValueError, match="2 values for 3 machines"):
+            b.write("ALREAL", wrong)
+    with pytest.raises(TypeError, match="expected a number"):
+        b.write("ALREAL", np.array([1j, 2, 3]))
+
+
+def test_a_write_to_a_batch_is_of_all_machines_of_the_mask_or_of_none():
+    b = arcline.Batch(n=4)
+    b.write("Move1.Speed", np.array([1.0, 2.0, 3.0, 4.0]), mask=np.array([True, False, True, False]))
+    assert [b.read(index, "Move1.Speed") for index in range(4)] == [1.0, 100.0, 3.0, 100.0]
+    b.write("Move1.Speed", 9.0, mask=np.array([False, True, False, False]))
+    assert [b.read(index, "Move1.Speed") for index in range(4)] == [1.0, 9.0, 3.0, 100.0]
+    with pytest.raises(ValueError, match="mask"):
+        b.write("Move1.Speed", 9.0, mask=np.array([True]))
+    for value in (np.array([1.0, 2.0, 2.5, 3.0]), np.array([1, 2, 2**40, 3])):
+        with pytest.raises(arcline.TagValueError):
+            b.write("Move1.MergeSpeed", value)
+    with pytest.raises(arcline.TagValueError):
+        b.write("Move1.Position", [5.0, 6.0, "seven"])
+    assert [b.read(index, "Move1.MergeSpeed") for index in range(4)] == [0] * 4
+    assert b.read(0, "Move1.Position")[:3] == [0.0] * 3
+    # The value of a machine that is not written does not matter.
+    b.write("Move1.MergeSpeed", np.array([1.0, 0.5, 2.0, 0.5]), mask=np.array([True, False, True, False]))
+    assert [b.read(index, "Move1.MergeSpeed") for index in range(4)] == [1, 0, 2, 0]
+
+
 def test_arrays_outlive_their_batch():
     b = arcline.Batch(n=3)
     x = b.bind("X.CommandPosition")
