@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import arcline
+import arcline.cases
 import arcline.errors
 import arcline.machine
 import arcline.server
@@ -23,7 +24,7 @@ import arcline.server
 MOVE = "MCLM(CS1, M1, Absolute, [100, 50, 25], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);"
 
 
-@pytest.mark.parametrize("module", [arcline, arcline.errors, arcline.machine, arcline.server])
+@pytest.mark.parametrize("module", [arcline, arcline.cases, arcline.errors, arcline.machine, arcline.server])
 def test_examples_of_the_docstrings(module):
     result = doctest.testmod(module)
     assert result.failed == 0
@@ -478,7 +479,14 @@ def _end_of(machine):
     return machine["X.ActualPosition"]
 
 
-def test_the_module_is_imported_fast():
-    code = "import numpy, time; t = time.perf_counter(); import arcline; print(time.perf_counter() - t)"
-    times = [float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout) for _ in range(3)]
-    assert min(times) < 0.5, times
+def test_the_module_adds_at_most_50_ms_to_the_import_of_numpy():
+    """The least of several imports, since the computer may be busy with something else."""
+    code = "import time; a = time.perf_counter(); import numpy; b = time.perf_counter(); import arcline; print(b - a, time.perf_counter() - b)"
+    times = []
+    for _ in range(20):
+        ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        times.append([float(word) for word in ran.stdout.split()])
+        if times[-1][1] <= 0.05:
+            break
+    print(f"numpy {min(times)[0] * 1000:.0f} ms, arcline after it {times[-1][1] * 1000:.0f} ms")
+    assert times[-1][1] <= 0.05, times
