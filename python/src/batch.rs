@@ -1,22 +1,27 @@
 //! `Batch`: many machines of one configuration, stepped together on several threads.
 
+use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use arcline_config::Project;
-use arcline_simulation::{Blind, RunLimits, Runner, Simulation};
+use arcline_controller::image::Image;
+use arcline_simulation::{Blind, ProgramId, RunLimits, Runner, Simulation};
 use arcline_structured_text::Interpreter;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1};
+use arcline_tag::WriteValue;
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadwriteArray1, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
+use pyo3::types::PyList;
 
 use crate::inner::{parsed, policy};
+use crate::interrupt::Pace;
 use crate::signals::{self, Signal, sample};
 use crate::{errors, values};
 
-/// Ticks between two checks for signals of Python.
-const SLICE: u64 = 4096;
+/// Ticks of one machine before the first check for signals of Python, shared out among all.
+const FIRST_SLICE: u64 = 4096;
 
 /// A truth for each machine.
 type Mask<'py> = PyReadonlyArray1<'py, bool>;
@@ -31,15 +36,77 @@ pub(crate) struct Batch {
 
 struct Inner {
     project: Project,
-    runners: Vec<Runner>,
+    members: Vec<Member>,
     /// Signals with their arrays, which steps refresh.
     bound: Vec<(Signal, Py<PyArray1<f64>>)>,
+    /// Tags of no machine, in which writes are tried.
+    tried: Image,
 }
 
-fn fresh(project: &Project) -> Runner {
-    let runner = Runner::of(Simulation::of_project(project));
-    runner.simulation().begin();
-    runner
+/// A machine, and the programs that were started on it since its beginning.
+struct Member {
+    runner: Runner,
+    programs: Vec<ProgramId>,
+}
+
+impl Member {
+    /// A machine at its beginning, unless a signal of Python has come: many machines take long.
+    fn new(py: Python<'_>, project: &Project) -> PyResult<Self> {
+        py.check_signals()?;
+        let runner = py.detach(|| {
+            let runner = Runner::of(Simulation::of_project(project));
+            runner.simulation().begin();
+            runner
+        });
+        Ok(Member {
+            runner,
+            programs: Vec::new(),
+        })
+    }
+}
+
+/// The values of a write: one for all machines, or one for each.
+enum Given<'py> {
+    All(WriteValue),
+    Numbers(PyReadonlyArray1<'py, f64>),
+    Each(Vec<WriteValue>),
+}
+
+impl<'py> Given<'py> {
+    /// An array of NumPy has a value, or a row, for each machine; all else is for all.
+    fn of(value: &Bound<'py, PyAny>, machines: usize) -> PyResult<Self> {
+        let shape = value.cast::<PyUntypedArray>().map_or(&[][..], |array| array.shape());
+        let Some(count) = shape.first() else {
+            return Ok(Given::All(values::given(value)?));
+        };
+        if *count != machines {
+            return Err(PyValueError::new_err(format!("{count} values for {machines} machines")));
+        }
+        if let Ok(numbers) = value.extract() {
+            return Ok(Given::Numbers(numbers));
+        }
+        let elements = value.call_method0("tolist")?;
+        let elements = elements.try_iter()?.map(|element| values::given(&element?));
+        Ok(Given::Each(elements.collect::<PyResult<_>>()?))
+    }
+
+    /// Whether it has a number for each machine, which a whole array cannot hold.
+    fn is_column(&self) -> bool {
+        match self {
+            Given::All(_) => false,
+            Given::Numbers(_) => true,
+            Given::Each(values) => !matches!(values.first(), Some(WriteValue::Array(_))),
+        }
+    }
+
+    /// The value for a machine.
+    fn at(&self, index: usize) -> Cow<'_, WriteValue> {
+        match self {
+            Given::All(value) => Cow::Borrowed(value),
+            Given::Numbers(numbers) => Cow::Owned(WriteValue::Number(numbers.as_array()[index])),
+            Given::Each(values) => Cow::Borrowed(&values[index]),
+        }
+    }
 }
 
 impl Batch {
@@ -48,8 +115,8 @@ impl Batch {
         self.inner.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The machines whose element of the mask is true; without a mask all.
-    fn masked<'r>(&self, runners: &'r mut [Runner], mask: Option<&Mask<'_>>) -> PyResult<Vec<&'r mut Runner>> {
+    /// The numbers of the machines whose element of the mask is true; without a mask of all.
+    fn masked(&self, mask: Option<&Mask<'_>>) -> PyResult<Vec<usize>> {
         let mask = mask.map(PyReadonlyArray1::as_array);
         if mask.as_ref().is_some_and(|mask| mask.len() != self.count) {
             return Err(PyValueError::new_err(format!(
@@ -58,16 +125,13 @@ impl Batch {
             )));
         }
         let wanted = |index: usize| mask.as_ref().is_none_or(|mask| mask[index]);
-        let runners = runners.iter_mut().enumerate();
-        Ok(runners
-            .filter_map(|(index, runner)| wanted(index).then_some(runner))
-            .collect())
+        Ok((0..self.count).filter(|index| wanted(*index)).collect())
     }
 
     /// Steps all machines, then samples the bound signals of each into its element of their arrays.
     fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         let mut inner = self.lock(py);
-        let Inner { runners, bound, .. } = &mut *inner;
+        let Inner { members, bound, .. } = &mut *inner;
         let signals: Vec<Signal> = bound.iter().map(|(signal, _)| signal.clone()).collect();
         let mut arrays = Vec::with_capacity(bound.len());
         for (_, array) in bound.iter() {
@@ -86,7 +150,7 @@ impl Batch {
         py.detach(|| {
             std::thread::scope(|scope| {
                 let mut columns: Vec<_> = columns.into_iter().map(|column| column.chunks_mut(size)).collect();
-                let mut chunks = runners.chunks_mut(size).peekable();
+                let mut chunks = members.chunks_mut(size).peekable();
                 while let Some(chunk) = chunks.next() {
                     let columns: Vec<_> = columns.iter_mut().filter_map(Iterator::next).collect();
                     let signals = &signals;
@@ -105,9 +169,9 @@ impl Batch {
 }
 
 /// Steps some machines.
-fn work(runners: &mut [Runner], mut columns: Vec<&mut [f64]>, signals: &[Signal], ticks: u64) {
+fn work(members: &mut [Member], mut columns: Vec<&mut [f64]>, signals: &[Signal], ticks: u64) {
     let mut row = vec![0.0; signals.len()];
-    for (index, runner) in runners.iter_mut().enumerate() {
+    for (index, Member { runner, .. }) in members.iter_mut().enumerate() {
         let limits = RunLimits {
             ticks,
             until: f64::INFINITY,
@@ -136,7 +200,8 @@ impl Batch {
             count: n,
             threads: if threads == 0 { all } else { threads }.min(n),
             inner: Mutex::new(Inner {
-                runners: (0..n).map(|_| fresh(&project)).collect(),
+                tried: project.image(),
+                members: (0..n).map(|_| Member::new(py, &project)).collect::<PyResult<_>>()?,
                 project,
                 bound: Vec::new(),
             }),
@@ -157,13 +222,13 @@ impl Batch {
     fn bind<'py>(&self, py: Python<'py>, signal: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let mut inner = self.lock(py);
         let array = PyArray1::zeros(py, self.count, false);
-        let parsed = signals::signal(py, &inner.runners[0].simulation(), signal)?;
+        let parsed = signals::signal(py, &inner.members[0].runner.simulation(), signal)?;
         {
             let mut values = array.try_readwrite()?;
             if let Ok(values) = values.as_slice_mut() {
-                for (runner, value) in inner.runners.iter().zip(values) {
+                for (member, value) in inner.members.iter().zip(values) {
                     sample(
-                        &mut runner.simulation(),
+                        &mut member.runner.simulation(),
                         std::slice::from_ref(&parsed),
                         std::slice::from_mut(value),
                     );
@@ -174,31 +239,34 @@ impl Batch {
         Ok(array)
     }
 
-    /// Writes a value, or one of each machine, to a tag of all machines.
-    fn write(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let inner = self.lock(py);
-        if let Ok(each) = value.extract::<PyReadonlyArray1<'_, f64>>() {
-            let each = each.as_array();
-            if each.len() != self.count {
-                return Err(PyValueError::new_err(format!(
-                    "{} values for {} machines",
-                    each.len(),
-                    self.count
-                )));
-            }
-            for (runner, value) in inner.runners.iter().zip(each) {
-                values::write(
-                    py,
-                    &mut runner.simulation(),
-                    path,
-                    &arcline_tag::WriteValue::Number(*value),
-                )?;
-            }
-            return Ok(());
+    /// Writes a tag of every machine, or of those whose element of `mask` is true. An array of NumPy has a value for each machine, or for an array tag a
+    /// row; any other value is for all. If a machine cannot take its value, none is written.
+    #[pyo3(signature = (path, value, mask=None))]
+    fn write(&self, py: Python<'_>, path: &str, value: &Bound<'_, PyAny>, mask: Option<Mask<'_>>) -> PyResult<()> {
+        let given = Given::of(value, self.count)?;
+        let machines = self.masked(mask.as_ref())?;
+        let mut inner = self.lock(py);
+        let names_array = path.parse().is_ok_and(|path| values::is_array(&inner.tried, &path));
+        if names_array && given.is_column() {
+            let text = format!("{path} is an array: expected a row for each machine");
+            return Err(errors::raise(py, "TagValueError", (text,)));
         }
-        let value = values::given(value)?;
-        for runner in &inner.runners {
-            values::write(py, &mut runner.simulation(), path, &value)?;
+        // A value for all is tried once.
+        let different = if matches!(given, Given::All(_)) {
+            1
+        } else {
+            machines.len()
+        };
+        for index in machines.iter().take(different) {
+            values::try_write(py, &mut inner.tried, path, &given.at(*index))?;
+        }
+        for index in machines {
+            values::write(
+                py,
+                &mut inner.members[index].runner.simulation(),
+                path,
+                &given.at(index),
+            )?;
         }
         Ok(())
     }
@@ -206,35 +274,59 @@ impl Batch {
     /// The value of a tag of one machine.
     fn read(&self, py: Python<'_>, index: usize, path: &str) -> PyResult<Py<PyAny>> {
         let inner = self.lock(py);
-        let runner = inner.runners.get(index);
-        let runner =
-            runner.ok_or_else(|| PyIndexError::new_err(format!("{index}: there are {} machines", self.count)))?;
-        values::read(py, &mut runner.simulation(), path)
+        let member = inner.members.get(index);
+        let member =
+            member.ok_or_else(|| PyIndexError::new_err(format!("{index}: there are {} machines", self.count)))?;
+        values::read(py, &mut member.runner.simulation(), path)
     }
 
     /// Starts a program on every machine, or on those whose element of `mask` is true.
     #[pyo3(signature = (text, *, keep_going=false, mask=None))]
     fn program(&self, py: Python<'_>, text: &str, keep_going: bool, mask: Option<Mask<'_>>) -> PyResult<()> {
         let mut inner = self.lock(py);
-        let program = parsed(py, inner.runners[0].simulation().image(), text)?;
-        for runner in self.masked(&mut inner.runners, mask.as_ref())? {
-            runner.start(Interpreter::new(program.clone()), policy(true, keep_going));
+        let program = parsed(py, inner.members[0].runner.simulation().image(), text)?;
+        for index in self.masked(mask.as_ref())? {
+            let Member { runner, programs } = &mut inner.members[index];
+            programs.push(runner.start(Interpreter::new(program.clone()), policy(true, keep_going)));
         }
         Ok(())
+    }
+
+    /// The exception of each machine: that of the first of its programs since its beginning that failed, as `Program.error` has it; None: none did.
+    fn errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let inner = self.lock(py);
+        let errors = inner.members.iter().map(|Member { runner, programs }| {
+            let error = programs.iter().find_map(|id| errors::of_program(py, runner, *id));
+            error.map(|error| error.into_value(py))
+        });
+        PyList::new(py, errors.collect::<Vec<_>>())
+    }
+
+    /// For each machine, whether all its programs have ended. Motion that they began may go on.
+    #[getter]
+    fn done<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        let inner = self.lock(py);
+        let done = inner.members.iter().map(|Member { runner, programs }| {
+            let mut running = programs.iter().filter(|id| runner.runs(**id));
+            running.next().is_none()
+        });
+        PyArray1::from_vec(py, done.collect())
     }
 
     /// Lets `ticks` ticks pass on every machine; with 0 ticks the bound arrays are refreshed and no more.
     #[pyo3(signature = (ticks=1))]
     fn step(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
         let mut left = ticks;
+        let mut pace = Pace::new(FIRST_SLICE / self.count as u64);
         loop {
-            let slice = left.min(SLICE);
+            let slice = left.min(pace.ticks());
             self.pass(py, slice)?;
             left -= slice;
             py.check_signals()?;
             if left == 0 {
                 return Ok(());
             }
+            pace.next();
         }
     }
 
@@ -242,9 +334,9 @@ impl Batch {
     #[pyo3(signature = (mask=None))]
     fn reset(&self, py: Python<'_>, mask: Option<Mask<'_>>) -> PyResult<()> {
         let mut inner = self.lock(py);
-        let Inner { project, runners, .. } = &mut *inner;
-        for runner in self.masked(runners, mask.as_ref())? {
-            *runner = fresh(project);
+        let Inner { project, members, .. } = &mut *inner;
+        for index in self.masked(mask.as_ref())? {
+            members[index] = Member::new(py, project)?;
         }
         Ok(())
     }

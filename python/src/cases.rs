@@ -1,6 +1,7 @@
 //! `simulate_many`: a batch of cases, as `arcline-server simulate --cases` runs them.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use arcline_cases::{Batch, Defaults};
 use arcline_tag::WriteValue;
@@ -8,6 +9,7 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::inner::policy;
+use crate::interrupt::watched;
 use crate::values;
 
 /// Runs the cases of a text, one a line; their results, one a line.
@@ -33,6 +35,7 @@ pub(crate) fn simulate_many(
         .into_iter()
         .map(|(name, value)| Ok((name, values::given(&value)?)))
         .collect();
+    let over = Arc::new(AtomicBool::new(false));
     let batch = Batch {
         defaults: Arc::new(Defaults {
             program,
@@ -49,21 +52,13 @@ pub(crate) fn simulate_many(
         from: first,
         to: None,
         jobs: threads,
+        over: over.clone(),
     };
     let mut output = Vec::new();
-    // Checked between results: Ctrl-C ends a batch behind the case that runs.
-    let mut interrupted = None;
-    let ran = py.detach(|| {
-        batch.run(cases.as_bytes(), &mut output, &mut |_| {
-            interrupted = interrupted
-                .take()
-                .or_else(|| Python::attach(|py| py.check_signals().err()));
-            interrupted.is_none()
-        })
-    });
-    if let Some(error) = interrupted {
-        return Err(error);
-    }
+    let thread = std::thread::Builder::new().name("cases".to_owned());
+    let ran = watched(py, thread, &over, || {
+        batch.run(cases.as_bytes(), &mut output, &mut |_| true)
+    })?;
     ran.map_err(|error| PyOSError::new_err(error.to_string()))?;
     String::from_utf8(output).map_err(|error| PyValueError::new_err(error.to_string()))
 }

@@ -4,9 +4,8 @@
 //! of Python as those of a machine do.
 
 use std::collections::BTreeMap;
+use std::sync::MutexGuard;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{MutexGuard, mpsc};
-use std::time::Duration;
 
 use arcline_cell::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
 use arcline_config::Project;
@@ -17,20 +16,19 @@ use arcline_routine::{Condition, Fault, Line};
 use arcline_simulation::{Blind, Observer};
 use arcline_tag::{TagPath, WriteValue};
 use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 
 use crate::errors::{self, raise};
 use crate::fair::Fair;
+use crate::interrupt::watched;
 use crate::machine::{cause, ticks_of};
 use crate::signals::{Columns, Signal};
 use crate::{trace, values};
 
 /// Ticks of a cell between two chances for other threads.
 const SLICE: u64 = 64;
-/// Wall time between two checks for signals of Python, such as Ctrl-C.
-const LOOK: Duration = Duration::from_millis(10);
 
 /// The program of a controller project on its machine. Deterministic: the same calls in the same order give the same state.
 #[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
@@ -193,37 +191,16 @@ pub(crate) fn major_fault(py: Python<'_>, fault: &Fault) -> PyErr {
     raise(py, "MajorFault", arguments)
 }
 
-/// Works on a thread with a deep stack, with the interpreter released. Ctrl-C sets `over`, for work that looks at it, and is raised when the work has
-/// ended.
+/// Works on a thread with a deep stack: [`watched`].
 pub(crate) fn on_deep_stack<R: Send>(
     py: Python<'_>,
     over: &AtomicBool,
     work: impl FnOnce() -> R + Send,
 ) -> PyResult<R> {
-    let ended = py.detach(|| {
-        std::thread::scope(|scope| {
-            let (done, ended) = mpsc::channel::<()>();
-            let thread = std::thread::Builder::new()
-                .name("scan".to_owned())
-                .stack_size(arcline_routine::STACK);
-            let thread = thread.spawn_scoped(scope, move || {
-                // Dropped at the end of the work, which ends the wait.
-                let _done = done;
-                work()
-            })?;
-            let mut interrupted = Ok(());
-            while let Err(mpsc::RecvTimeoutError::Timeout) = ended.recv_timeout(LOOK) {
-                if interrupted.is_ok() {
-                    interrupted = Python::attach(|py| py.check_signals());
-                    over.store(interrupted.is_err(), Ordering::Relaxed);
-                }
-            }
-            Ok::<_, std::io::Error>((thread.join(), interrupted))
-        })
-    });
-    let (result, interrupted) = ended?;
-    interrupted?;
-    result.map_err(|_| PyRuntimeError::new_err("the scan ended unexpectedly"))
+    let thread = std::thread::Builder::new()
+        .name("scan".to_owned())
+        .stack_size(arcline_routine::STACK);
+    watched(py, thread, over, work)
 }
 
 impl Inner {

@@ -2,7 +2,7 @@
 
 use arcline_config::Project;
 use arcline_controller::image::{Image, ReadError};
-use arcline_simulation::{End, Erred, Refused};
+use arcline_simulation::{End, Erred, ProgramId, Refused, Runner};
 use arcline_structured_text::RunError;
 use pyo3::call::PyCallArgs;
 use pyo3::exceptions::PyOSError;
@@ -32,6 +32,11 @@ pub(crate) fn erred(py: Python<'_>, erred: &Erred) -> PyErr {
         "MotionError",
         (*err, *exerr, erred.text(), mnemonic.name(), *line, tag.as_str()),
     )
+}
+
+/// The exception of a program of a runner that failed, so far.
+pub(crate) fn of_program(py: Python<'_>, runner: &Runner, program: ProgramId) -> Option<PyErr> {
+    runner.end_of(program)?.err().and_then(|end| ended(py, &end))
 }
 
 /// The exception of a program that did not come to its end.

@@ -142,7 +142,10 @@ impl Inner {
 
     /// The same with a row of signals at the end of each tick.
     pub(crate) fn trace(&mut self, ticks: u64, signals: &[Signal], rows: &mut [f64]) {
-        let width = signals.len().max(1);
+        if signals.is_empty() {
+            return self.step(ticks);
+        }
+        let width = signals.len();
         if signals.iter().any(Signal::is_tag) {
             for row in rows.chunks_exact_mut(width) {
                 sample(&mut self.runner.simulation(), signals, row);

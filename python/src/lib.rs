@@ -8,6 +8,7 @@ mod cell;
 mod errors;
 mod fair;
 mod inner;
+mod interrupt;
 mod machine;
 mod plant;
 mod signals;

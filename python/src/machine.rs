@@ -4,7 +4,6 @@
 //! the lock with the interpreter released, and get it after the slice of ticks that passes.
 
 use std::sync::{Arc, MutexGuard};
-use std::time::{Duration, Instant};
 
 use arcline_controller::machine::Machine as MachineConfig;
 use arcline_instruction_set::{AxisId, FAULTS, FaultSet, Flag};
@@ -16,14 +15,13 @@ use pyo3::types::{PyList, PyTuple};
 use crate::errors::{self, raise};
 use crate::fair::Fair;
 use crate::inner::{Entry, Inner};
+use crate::interrupt::Pace;
 use crate::plant::{Plant, Shared};
 use crate::signals::signal;
 use crate::{trace, values};
 
-/// Ticks between two reads of the wall clock.
-const SLICE: u64 = 1024;
-/// Wall time between two checks for signals of Python, such as Ctrl-C.
-const LOOK: Duration = Duration::from_millis(10);
+/// Ticks before the first check for signals of Python.
+const FIRST_SLICE: u64 = 64;
 
 /// A machine on a virtual clock, with its tags and programs. Deterministic: the same calls in the same order give the same state.
 #[pyclass(frozen, subclass, module = "arcline._arcline", mapping)]
@@ -103,19 +101,19 @@ impl Machine {
         self.plant.as_ref().and_then(Shared::take_error).map_or(Ok(()), Err)
     }
 
-    /// Lets ticks pass, and checks for signals of Python now and then.
-    fn pass(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
+    /// Lets ticks pass slice by slice, and checks for signals of Python between them.
+    fn pass(&self, py: Python<'_>, ticks: u64, mut work: impl FnMut(&mut Inner, u64) + Send) -> PyResult<()> {
         self.look_inside()?;
         let mut left = ticks;
-        let mut looked = Instant::now();
+        let mut pace = Pace::new(FIRST_SLICE);
         while left > 0 {
-            let slice = left.min(SLICE);
-            self.inner.detached(py, |inner| inner.step(slice));
+            let slice = left.min(pace.ticks());
+            self.inner.detached(py, |inner| work(inner, slice));
             self.plant_error()?;
             left -= slice;
-            if left > 0 && looked.elapsed() >= LOOK {
+            if left > 0 {
                 py.check_signals()?;
-                looked = Instant::now();
+                pace.next();
             }
         }
         Ok(())
@@ -230,13 +228,13 @@ impl Machine {
     /// Lets `ticks` ticks pass.
     #[pyo3(signature = (ticks=1))]
     fn step(&self, py: Python<'_>, ticks: u64) -> PyResult<()> {
-        self.pass(py, ticks)
+        self.pass(py, ticks, Inner::step)
     }
 
     /// Lets `seconds` pass.
     fn run(&self, py: Python<'_>, seconds: f64) -> PyResult<()> {
         let configured = self.configured(py)?;
-        self.pass(py, ticks_of(&configured, seconds)?)
+        self.pass(py, ticks_of(&configured, seconds)?, Inner::step)
     }
 
     /// Samples signals for `steps` ticks into `out`, or a new array of `(steps, len(signals))`.
@@ -260,16 +258,11 @@ impl Machine {
         let mut rows: PyReadwriteArray2<'py, f64> = array.try_readwrite()?;
         let width = signals.len();
         let mut left = trace::contiguous(&mut rows)?;
-        let mut steps_left = steps;
-        while steps_left > 0 {
-            let slice = steps_left.min(SLICE as usize * 8);
-            let (part, rest) = left.split_at_mut(slice * width);
-            self.inner
-                .detached(py, |inner| inner.trace(slice as u64, &signals, part));
-            self.plant_error()?;
-            (left, steps_left) = (rest, steps_left - slice);
-            py.check_signals()?;
-        }
+        self.pass(py, steps as u64, |inner, slice| {
+            let (part, rest) = std::mem::take(&mut left).split_at_mut(slice as usize * width);
+            left = rest;
+            inner.trace(slice, &signals, part);
+        })?;
         drop(rows);
         Ok(array)
     }
@@ -336,14 +329,11 @@ impl Machine {
 
     /// The exception of a program that failed, so far.
     fn _error<'py>(&self, py: Python<'py>, program: usize) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let end = {
+        let error = {
             let inner = self.lock(py)?;
-            inner
-                .programs
-                .get(program)
-                .and_then(|id| inner.runner.end_of(*id)?.err())
+            let id = inner.programs.get(program);
+            id.and_then(|id| errors::of_program(py, &inner.runner, *id))
         };
-        let error = end.and_then(|end| errors::ended(py, &end));
         Ok(error.map(|error| error.into_value(py).into_bound(py).into_any()))
     }
 
@@ -389,7 +379,7 @@ impl Machine {
         for entry in journal {
             let kind: String = entry.get_item(0)?.extract()?;
             match kind.as_str() {
-                "step" => self.pass(py, entry.get_item(1)?.extract()?)?,
+                "step" => self.step(py, entry.get_item(1)?.extract()?)?,
                 "write" => self.__setitem__(py, &entry.get_item(1)?.extract::<String>()?, &entry.get_item(2)?)?,
                 "program" => {
                     let (_, text, wait, keep_going): (String, String, bool, bool) = entry.extract()?;
@@ -408,8 +398,8 @@ impl Machine {
         Ok(())
     }
 
-    /// Becomes the machine of a configuration at its beginning.
-    fn _restart(&self, py: Python<'_>, config: &str) -> PyResult<()> {
+    /// Becomes the machine of a configuration at its beginning, and repeats the calls of a journal. The events of that time are not collected.
+    fn _restore(&self, py: Python<'_>, config: &str, journal: Vec<Bound<'_, PyTuple>>) -> PyResult<()> {
         if self.plant.is_some() {
             return Err(raise(
                 py,
@@ -425,10 +415,13 @@ impl Machine {
             ));
         }
         let (_, project) = errors::project(py, Some(config))?;
-        let mut inner = self.lock(py)?;
-        let is_on = inner.events.is_on;
-        *inner = Inner::new(&project, true, None);
-        inner.events.is_on = is_on;
-        Ok(())
+        let is_on = {
+            let mut inner = self.lock(py)?;
+            let before = std::mem::replace(&mut *inner, Inner::new(&project, true, None));
+            before.events.is_on
+        };
+        let replayed = self._replay(py, journal);
+        self.lock(py)?.events.is_on = is_on;
+        replayed
     }
 }

@@ -9,7 +9,7 @@ use arcline_controller::drive::simulated::{MechanicalModel, ModelFailed, Modelle
 use arcline_controller::machine::Machine as MachineConfig;
 use arcline_instruction_set::AxisId;
 use numpy::{PyArray2, PyArrayMethods};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyException, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::errors::raise;
@@ -63,6 +63,8 @@ pub(crate) struct Plant {
     names: Vec<String>,
     ticks: u64,
     period_ns: u64,
+    /// The feedback of the last tick, in the order of the axes; empty before the first.
+    last: Vec<ModelledAxis>,
     shared: Shared,
 }
 
@@ -117,6 +119,7 @@ impl Plant {
             names,
             ticks: 0,
             period_ns: machine.period_ns,
+            last: Vec::new(),
             shared: Shared::default(),
         })
     }
@@ -185,14 +188,30 @@ impl Plant {
 impl MechanicalModel for Plant {
     fn tick(&mut self, set_points: &[SetPoint], axes: &mut [ModelledAxis]) -> Result<(), ModelFailed> {
         self.shared.state().inside = Some(std::thread::current().id());
-        let called = Python::attach(|py| self.call(py, set_points, axes));
+        let called = Python::attach(|py| {
+            let called = self.call(py, set_points, axes);
+            called.map_err(|error| (error.is_instance_of::<PyException>(py), error))
+        });
         self.ticks += 1;
         let mut state = self.shared.state();
         state.inside = None;
-        called.map_err(|error| {
-            state.error = Some(error);
-            ModelFailed
-        })
+        match called {
+            Ok(()) => {
+                self.last.clear();
+                self.last.extend(self.axes.iter().map(|axis| axes[usize::from(*axis)]));
+            }
+            Err((is_failure, error)) => {
+                state.error = Some(error);
+                if is_failure {
+                    return Err(ModelFailed);
+                }
+                // Ctrl-C, say, which came while the plant was at work: its axes stay where they were.
+                for (axis, last) in self.axes.iter().zip(&self.last) {
+                    axes[usize::from(*axis)] = *last;
+                }
+            }
+        }
+        Ok(())
     }
 }
 

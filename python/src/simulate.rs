@@ -10,7 +10,7 @@ use arcline_controller::machine::Machine;
 use arcline_controller::{Controller, Event};
 use arcline_simulation::{Observer, Options, Record, Runner, Simulation};
 use arcline_structured_text::Interpreter;
-use numpy::{PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -18,9 +18,13 @@ use pyo3::types::{PyDict, PyTuple};
 use crate::cell::{self, Given, major_fault, no_condition, on_deep_stack};
 use crate::errors;
 use crate::inner::{parsed, policy, simulation};
+use crate::interrupt::Pace;
 use crate::plant::{Plant, Shared};
 use crate::signals::{Columns, Signal, signal};
 use crate::values;
+
+/// Ticks before the first check for signals of Python.
+const FIRST_SLICE: u64 = 64;
 
 /// The records of a run.
 struct RunRecords<'s> {
@@ -30,6 +34,9 @@ struct RunRecords<'s> {
     columns: Columns,
     rows: Vec<f64>,
     tick: u64,
+    pace: Pace,
+    /// Ticks to the next check for signals of Python, 1 or more.
+    left: u64,
     /// Real time is over: a signal of Python has come.
     interrupted: Option<PyErr>,
     /// The same, of a run on another thread.
@@ -57,6 +64,8 @@ impl<'s> RunRecords<'s> {
             columns: Columns::new(signals),
             rows: Vec::new(),
             tick: 0,
+            pace: Pace::new(FIRST_SLICE),
+            left: FIRST_SLICE,
             interrupted: None,
             over,
             plant,
@@ -80,8 +89,7 @@ impl<'s> RunRecords<'s> {
         }
         let width = self.signals.len();
         let rows = self.rows.len() / width.max(1);
-        let trace = PyArray2::zeros(py, [rows, width], false);
-        trace.try_readwrite()?.as_slice_mut()?.copy_from_slice(&self.rows);
+        let trace = PyArray1::from_vec(py, self.rows).reshape([rows, width])?;
         let error = error.map(|error| error.into_value(py));
         (error, simulation.time(), self.tick, positions, trace).into_pyobject(py)
     }
@@ -130,8 +138,11 @@ impl Observer for RunRecords<'_> {
             self.rows.resize(from + self.signals.len(), 0.0);
             self.columns.read(controller, &mut self.rows[from..]);
         }
-        if tick.is_multiple_of(4096) {
+        self.left -= 1;
+        if self.left == 0 {
             self.interrupted = Python::attach(|py| py.check_signals().err());
+            self.pace.next();
+            self.left = self.pace.ticks();
         }
         self.interrupted.is_none()
             && !self.over.load(Ordering::Relaxed)

@@ -11,7 +11,14 @@ pub(crate) fn array<'py>(
     signals: usize,
     out: Option<Bound<'py, PyArray2<f64>>>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let array = out.unwrap_or_else(|| PyArray2::zeros(py, [steps, signals], false));
+    let array = match out {
+        Some(out) => out,
+        // NumPy raises MemoryError for an array that is too large; `PyArray2::zeros` panics.
+        None => {
+            let zeros = py.import("numpy")?.getattr("zeros")?;
+            zeros.call1(((steps, signals),))?.cast_into::<PyArray2<f64>>()?
+        }
+    };
     match *array.shape() {
         [rows, columns] if (rows, columns) != (steps, signals) => Err(PyValueError::new_err(format!(
             "out is {rows} by {columns}, expected {steps} by {signals}"

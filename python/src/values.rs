@@ -4,6 +4,7 @@ use arcline_controller::image::Image;
 use arcline_simulation::{NotWritten, Simulation};
 use arcline_tag::{TagPath, TagValue, Value, WriteValue};
 use pyo3::exceptions::PyTypeError;
+use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString};
 
@@ -39,7 +40,7 @@ pub(crate) fn read(py: Python<'_>, simulation: &mut Simulation, text: &str) -> P
 }
 
 /// Whether a path names an array as a whole.
-fn is_array(image: &Image, path: &TagPath) -> bool {
+pub(crate) fn is_array(image: &Image, path: &TagPath) -> bool {
     let mut first = path.clone();
     first.0.push(arcline_tag::PathSegment::Element(0));
     image.locate(&first).is_ok_and(|(_, place)| place.bit.is_none())
@@ -83,6 +84,17 @@ pub(crate) fn given(value: &Bound<'_, PyAny>) -> PyResult<WriteValue> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(WriteValue::Text(text.to_str()?.to_owned()));
     }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(WriteValue::Number(number.value()));
+    }
+    // A truth value of NumPy.
+    if let Ok(on) = value.extract::<bool>() {
+        return Ok(WriteValue::Bool(on));
+    }
+    // An integer of NumPy, say, which a 64-bit float would round.
+    if let Ok(number) = value.call_method0(intern!(value.py(), "__index__")) {
+        return Ok(WriteValue::Integer(number.extract::<i128>()?));
+    }
     if let Ok(number) = value.extract::<f64>() {
         return Ok(WriteValue::Number(number));
     }
@@ -115,9 +127,20 @@ pub(crate) fn python(py: Python<'_>, value: &WriteValue) -> PyResult<Py<PyAny>> 
 
 /// Writes a value at a path; a write of `EnableIn` executes its instruction at the present tick.
 pub(crate) fn write(py: Python<'_>, simulation: &mut Simulation, text: &str, value: &WriteValue) -> PyResult<()> {
-    simulation.write_tag(text, value).map_err(|error| match error {
+    let written = simulation.write_tag(text, value);
+    written.map_err(|error| not_written(py, simulation.image(), text, error))
+}
+
+/// Writes a value at a path of an image of tags that no machine has: whether a machine with the same tags can take it.
+pub(crate) fn try_write(py: Python<'_>, image: &mut Image, text: &str, value: &WriteValue) -> PyResult<()> {
+    let tried = arcline_simulation::try_write(image, text, value);
+    tried.map_err(|error| not_written(py, image, text, error))
+}
+
+fn not_written(py: Python<'_>, image: &Image, text: &str, error: NotWritten) -> PyErr {
+    match error {
         NotWritten::Path(..) => raise(py, "TagError", (error.to_string(),)),
-        NotWritten::Read(error) => unread(py, simulation.image(), text, &error),
+        NotWritten::Read(error) => unread(py, image, text, &error),
         NotWritten::Value(why) => raise(py, "TagValueError", (why,)),
-    })
+    }
 }

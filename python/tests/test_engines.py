@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -167,7 +168,7 @@ def test_ray_loses_a_worker(batch, tmp_path):
 
 @pytest.mark.skipif(PROGRAM is None, reason="needs arcline-server")
 def test_gnu_parallel_loses_a_process(batch, tmp_path):
-    """The process of the third chunk is killed when it begins; its chunk alone is run again."""
+    """The process of the third chunk is killed when half its results are out; its chunk alone is run again."""
     needs("parallel")
     program, cases, hashes = batch
     log, bin = tmp_path / "log", tmp_path / "bin"
@@ -179,7 +180,10 @@ def test_gnu_parallel_loses_a_process(batch, tmp_path):
 for word; do [ "$last" = --first ] && first=$word; last=$word; done
 begun=$(ls {log} | grep -c "^$first-")
 touch {log}/$first-$begun
-[ $first = {2 * CHUNK} ] && [ $begun = 0 ] && kill -9 $$
+if [ $first = {2 * CHUNK} ] && [ $begun = 0 ]; then
+    {PROGRAM} "$@" | head -n {CHUNK // 2}
+    kill -9 $$
+fi
 exec {PROGRAM} "$@"
 """
     )
@@ -194,12 +198,13 @@ exec {PROGRAM} "$@"
 
 
 def dies_once(part, program, log):
-    """Runs a chunk; the worker that begins the third one first is lost with it."""
+    """Runs a chunk; the worker that begins the third one first is lost half-way through it."""
     first, cases = part
     begun = Path(log) / f"{first}-{len(list(Path(log).glob(f'{first}-*')))}"
     begun.touch()
     if first == 2 * CHUNK and begun.name.endswith("-0"):
-        os._exit(1)
+        assert len(arcline.simulate_many(cases[: CHUNK // 2], program, first=first)) == CHUNK // 2
+        os.kill(os.getpid(), signal.SIGKILL)
     return arcline.simulate_many(cases, program, first=first)
 
 

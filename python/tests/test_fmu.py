@@ -58,3 +58,40 @@ def test_a_step_that_fails_is_an_exception_and_a_fault(fmu):
     for axis, start, words in [(VARIABLES._replace(position="y"), {}, "no variable 'y'"), (VARIABLES, {"mass": 1.0}, "no variable 'mass'")]:
         with pytest.raises(ValueError, match=words):
             FmuPlant(fmu, {"X": axis}, start)
+
+
+@pytest.mark.parametrize("fmu", ["ideal"], indirect=True)
+def test_an_fmu_is_of_one_machine(fmu):
+    with FmuPlant(fmu, {"X": VARIABLES}) as plant:
+        m = arcline.Machine(plant=plant, plant_axes=plant.axes)
+        with pytest.raises(ValueError, match="at 0.0 s, and the machine at 0.0 s: an FMU is the plant of one machine"):
+            arcline.Machine(plant=plant, plant_axes=plant.axes)
+        m.step(100)
+        with pytest.raises(ValueError, match="at 0.1 s, and the machine at 0.0 s"):
+            arcline.simulate(MOVE, plant=plant, plant_axes=plant.axes)
+        m.step(1)
+        assert m["X.AxisFault"] == 0
+
+
+@pytest.mark.parametrize("fmu", ["ideal"], indirect=True)
+@pytest.mark.parametrize(
+    ("result", "words"),
+    [
+        ((False, True, False, 0.05), "ends the simulation at 0.05 s"),
+        ((False, False, True, 0.0495), "returned early, at 0.0495 s"),
+    ],
+)
+def test_an_fmu_that_does_not_do_the_whole_step_is_an_error(fmu, monkeypatch, result, words):
+    with FmuPlant(fmu, {"X": VARIABLES}) as plant:
+        does = plant._fmu.doStep
+
+        def step(currentCommunicationPoint, communicationStepSize):
+            done = does(currentCommunicationPoint=currentCommunicationPoint, communicationStepSize=communicationStepSize)
+            assert done[1:3] == (False, False)
+            return result if currentCommunicationPoint > 0.0485 else done
+
+        monkeypatch.setattr(plant._fmu, "doStep", step)
+        m = arcline.Machine(plant=plant, plant_axes=plant.axes)
+        with pytest.raises(RuntimeError, match=words):
+            m.step(1000)
+        assert m.tick == 50 and m["X.AxisFault"] != 0

@@ -10,11 +10,13 @@ import subprocess
 import sys
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 
 import arcline
+import arcline.cases
 import arcline.errors
 import arcline.machine
 import arcline.server
@@ -22,7 +24,7 @@ import arcline.server
 MOVE = "MCLM(CS1, M1, Absolute, [100, 50, 25], 200, Unitspersec, 2000, Unitspersec2, 2000, Unitspersec2);"
 
 
-@pytest.mark.parametrize("module", [arcline, arcline.errors, arcline.machine, arcline.server])
+@pytest.mark.parametrize("module", [arcline, arcline.cases, arcline.errors, arcline.machine, arcline.server])
 def test_examples_of_the_docstrings(module):
     result = doctest.testmod(module)
     assert result.failed == 0
@@ -123,6 +125,46 @@ def test_a_trace_fills_arrays_in_place():
         m.trace(["Q.CommandPosition"], 10)
 
 
+def test_a_trace_without_signals_lets_time_pass():
+    m = arcline.Machine()
+    assert m.trace([], 5).shape == (5, 0) and m.tick == 5
+    state = m.save()
+    m.step(3)
+    m.restore(state)
+    assert m.tick == 5
+    assert arcline.simulate("DELAY(0.1);", trace=[]).trace.size == 0
+
+
+def test_a_trace_that_does_not_fit_into_memory_is_an_error():
+    m = arcline.Machine()
+    with pytest.raises(MemoryError):
+        m.trace(["X.CommandPosition"], 10**13)
+    assert m.tick == 0
+
+
+def test_a_trace_of_simulate_is_not_copied():
+    tracemalloc.start()
+    try:
+        trace = arcline.simulate("DELAY(100);", trace=["X.CommandPosition", "Y.CommandPosition"]).trace
+        assert trace.shape == (100_001, 2) and trace.flags.c_contiguous and trace.flags.writeable
+        assert tracemalloc.get_traced_memory()[1] < trace.nbytes / 2
+    finally:
+        tracemalloc.stop()
+
+
+def test_integers_of_numpy_are_exact():
+    m = arcline.Machine(arcline.DEFAULT_CONFIG + '\n[[tag]]\nname = "Long"\ntype = "LINT"\n\n[[tag]]\nname = "Word"\ntype = "LINT[2]"\n')
+    for number in (np.int64(2**62 + 1), np.int64(-(2**63)), np.uint64(2**62 + 3), np.uint8(7), np.array(2**62 + 1)):
+        m["Long"] = number
+        assert m["Long"] == int(number), repr(number)
+    m["Word"] = np.array([2**62 + 1, -(2**62) - 1])
+    assert m["Word"] == [2**62 + 1, -(2**62) - 1]
+    with pytest.raises(arcline.TagValueError):
+        m["Long"] = np.uint64(2**63)
+    m["Move1.EnableIn"] = np.True_
+    assert m["Move1.EnableIn"] is True
+
+
 def test_programs_run_beside_each_other():
     m = arcline.Machine()
     first = m.program(MOVE + "WAIT(M1.PC);")
@@ -193,20 +235,69 @@ def test_events_tell_the_life_of_a_move():
     assert m.events() == []
 
 
-def test_ctrl_c_ends_a_run():
+def test_a_restored_machine_gives_no_event_again():
     m = arcline.Machine()
-    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
-    timer.start()
-    began = time.monotonic()
+    m.events()
+    m.program(MOVE).wait()
+    m.step()
+    state = m.save()
+    assert m.events()
+    m.restore(state)
+    assert m.events() == []
+    p = m.program("MSO(X, On);")
+    m.step()
+    assert [event.tag for event in m.events()] == ["On"] and p.done
+
+
+LONG_CASES = [{"text": "DELAY(1e6);", "until": 1e7}] * 3
+
+
+@pytest.mark.parametrize(
+    ("made", "long"),
+    [
+        (arcline.Machine, lambda m: m.run(1e8)),
+        (arcline.Machine, lambda m: m.trace([f"Move{1 + n % 2}.Position[{n % 3}]" for n in range(200)], 100_000)),
+        (lambda: arcline.Batch(n=2_000), lambda b: b.step(100_000)),
+        (lambda: None, lambda _: arcline.Batch(n=10_000)),
+        (lambda: None, lambda _: arcline.simulate("DELAY(1e6);", until=1e7)),
+        (lambda: None, lambda _: arcline.simulate_many(LONG_CASES)),
+        (lambda: None, lambda _: arcline.simulate_many(LONG_CASES, threads=2)),
+    ],
+    ids=["run", "trace", "Batch", "new_Batch", "simulate", "simulate_many", "simulate_many_on_threads"],
+)
+def test_ctrl_c_ends_what_takes_long(made, long):
+    made, sent = made(), []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.3, interrupt)
     # A shell lets its background jobs ignore it.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         with pytest.raises(KeyboardInterrupt):
+            timer.start()
+            long(made)
+        assert time.monotonic() - sent[0] < 1
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_machine_goes_on_after_ctrl_c():
+    m = arcline.Machine()
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
             m.run(1e8)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert time.monotonic() - began < 10
+    tick = m.tick
+    again = pickle.loads(pickle.dumps(m))
     m.step(1)
+    assert m.tick == tick + 1 and again.tick == tick
 
 
 def test_other_threads_run_while_time_passes():
@@ -282,6 +373,85 @@ def test_a_batch_steps_all_machines():
         b.read(7, "X.CommandPosition")
 
 
+def test_a_batch_tells_the_errors_of_its_programs():
+    text = "MAM(X, M1, Absolute, 5, Move1.Speed, Unitspersec, 500, Unitspersec2, 500, Unitspersec2); WAIT(M1.PC);"
+    b = arcline.Batch(n=4)
+    assert b.errors() == [None] * 4 and b.done.tolist() == [True] * 4 and b.done.dtype == bool
+    b.write("Move1.Speed", np.array([50.0, -1.0, 60.0, 50.0]))
+    b.program(text, mask=np.array([True, True, True, False]))
+    single = arcline.Machine(set={"Move1.Speed": -1.0}).program(text)
+    errors = b.errors()
+    assert errors[0] is errors[2] is errors[3] is None
+    assert type(errors[1]) is type(single.error) is arcline.MotionError and errors[1].args == single.error.args
+    assert (errors[1].err, errors[1].exerr) == (13, 4)
+    assert b.done.tolist() == [False, True, False, True]
+    b.step(1000)
+    assert b.done.tolist() == [True] * 4 and b.read(0, "X.CommandPosition") == 5.0
+    # The first error of several programs stays until the machine begins anew.
+    b.program("MSO(X, On);")
+    b.program("WAIT(X.ActualPosition > 100);")
+    assert b.errors()[1].args == single.error.args
+    b.step(70_000)
+    assert isinstance(b.errors()[0], arcline.ProgramError) and "at rest" in str(b.errors()[0])
+    b.reset(np.array([False, True, False, False]))
+    assert b.errors()[1] is None and b.errors()[0] is not None and b.done.all()
+
+
+def test_a_batch_writes_numbers_of_all_types_to_each_machine():
+    config = arcline.DEFAULT_CONFIG + "".join(
+        f'\n[[tag]]\nname = "A{kind}"\ntype = "{kind}"\n' for kind in ("DINT", "LINT", "LREAL", "BOOL", "LREAL[3]")
+    ).replace('ALREAL[3]"', 'Steps"')
+    b = arcline.Batch(config, n=3)
+
+    def read(path):
+        return [b.read(index, path) for index in range(3)]
+
+    for kind in (np.int8, np.uint16, np.int32, np.int64, np.float32, np.float64, ">i4"):
+        b.write("ADINT", np.array([1, 2, 3], dtype=kind))
+        assert read("ADINT") == [1, 2, 3], kind
+        b.write("ADINT", 0)
+    b.write("ALINT", np.array([2**62 + 1, -(2**62) - 1, 5]))
+    assert read("ALINT") == [2**62 + 1, -(2**62) - 1, 5]
+    b.write("ABOOL", np.array([True, False, True]))
+    assert read("ABOOL") == [True, False, True]
+    b.write("ALREAL", np.arange(6.0)[::2])
+    assert read("ALREAL") == [0.0, 2.0, 4.0]
+    b.write("ALREAL", np.array(7))
+    assert read("ALREAL") == [7.0] * 3
+    # Of an array tag: a list is for each machine, a table has a row for each, and a column of numbers does not fit.
+    b.write("Steps", [1.0, 2.0, 3.0])
+    assert read("Steps") == [[1.0, 2.0, 3.0]] * 3
+    b.write("Steps", np.arange(9).reshape(3, 3))
+    assert read("Steps") == [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0], [6.0, 7.0, 8.0]]
+    with pytest.raises(arcline.TagValueError, match="Steps is an array: expected a row for each machine"):
+        b.write("Steps", np.array([1.0, 2.0, 3.0]))
+    for wrong in (np.zeros(2), np.zeros((2, 3)), np.zeros(2, dtype=int)):
+        with pytest.raises(ValueError, match="2 values for 3 machines"):
+            b.write("ALREAL", wrong)
+    with pytest.raises(TypeError, match="expected a number"):
+        b.write("ALREAL", np.array([1j, 2, 3]))
+
+
+def test_a_write_to_a_batch_is_of_all_machines_of_the_mask_or_of_none():
+    b = arcline.Batch(n=4)
+    b.write("Move1.Speed", np.array([1.0, 2.0, 3.0, 4.0]), mask=np.array([True, False, True, False]))
+    assert [b.read(index, "Move1.Speed") for index in range(4)] == [1.0, 100.0, 3.0, 100.0]
+    b.write("Move1.Speed", 9.0, mask=np.array([False, True, False, False]))
+    assert [b.read(index, "Move1.Speed") for index in range(4)] == [1.0, 9.0, 3.0, 100.0]
+    with pytest.raises(ValueError, match="mask"):
+        b.write("Move1.Speed", 9.0, mask=np.array([True]))
+    for value in (np.array([1.0, 2.0, 2.5, 3.0]), np.array([1, 2, 2**40, 3])):
+        with pytest.raises(arcline.TagValueError):
+            b.write("Move1.MergeSpeed", value)
+    with pytest.raises(arcline.TagValueError):
+        b.write("Move1.Position", [5.0, 6.0, "seven"])
+    assert [b.read(index, "Move1.MergeSpeed") for index in range(4)] == [0] * 4
+    assert b.read(0, "Move1.Position")[:3] == [0.0] * 3
+    # The value of a machine that is not written does not matter.
+    b.write("Move1.MergeSpeed", np.array([1.0, 0.5, 2.0, 0.5]), mask=np.array([True, False, True, False]))
+    assert [b.read(index, "Move1.MergeSpeed") for index in range(4)] == [1, 0, 2, 0]
+
+
 def test_arrays_outlive_their_batch():
     b = arcline.Batch(n=3)
     x = b.bind("X.CommandPosition")
@@ -309,7 +479,14 @@ def _end_of(machine):
     return machine["X.ActualPosition"]
 
 
-def test_the_module_is_imported_fast():
-    code = "import numpy, time; t = time.perf_counter(); import arcline; print(time.perf_counter() - t)"
-    times = [float(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout) for _ in range(3)]
-    assert min(times) < 0.5, times
+def test_the_module_adds_at_most_50_ms_to_the_import_of_numpy():
+    """The least of several imports, since the computer may be busy with something else."""
+    code = "import time; a = time.perf_counter(); import numpy; b = time.perf_counter(); import arcline; print(b - a, time.perf_counter() - b)"
+    times = []
+    for _ in range(20):
+        ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        times.append([float(word) for word in ran.stdout.split()])
+        if times[-1][1] <= 0.05:
+            break
+    print(f"numpy {min(times)[0] * 1000:.0f} ms, arcline after it {times[-1][1] * 1000:.0f} ms")
+    assert times[-1][1] <= 0.05, times

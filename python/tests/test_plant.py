@@ -161,6 +161,41 @@ def test_a_fault_of_a_plant_is_one_of_the_drive_and_can_be_reset():
     assert m["X.AxisFault"] == 0 and m["X.ActualPosition"] == 40.0
 
 
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit])
+def test_ctrl_c_in_a_plant_is_no_fault_of_its_axes(error):
+    seen = []
+
+    def plant(set_points, feedback):
+        seen.append(set_points.time)
+        if len(seen) in (101, 202):
+            feedback.position[:] = np.nan
+            raise error
+        feedback.position[:] = set_points.position + 0.5
+
+    m = arcline.Machine(plant=plant, plant_axes=["X"])
+    m.program(MOVE)
+    with pytest.raises(error):
+        m.step(150)
+    assert m.tick == 100 and m["X.AxisFault"] == 0
+    m.step(100)
+    with pytest.raises(error):
+        m.trace(["X.ActualPosition"], 50)
+    trace = m.trace(["X.CommandPosition", "X.ActualPosition"], 500)
+    assert m["X.AxisFault"] == 0 and m["M1.PC"] is True and m["X.ActualPosition"] == 40.5
+    np.testing.assert_allclose(trace[2:, 1] - trace[2:, 0], 0.5, atol=1e-9)
+    # The interrupted ticks have passed, with the feedback of the one before.
+    assert seen == [tick / 1000 for tick in range(m.tick + 1)]
+
+
+def test_ctrl_c_in_a_plant_ends_simulate():
+    def plant(set_points, feedback):
+        if set_points.time == 0.1:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        arcline.simulate(MOVE, plant=plant)
+
+
 @pytest.mark.parametrize(
     ("write", "words"),
     [

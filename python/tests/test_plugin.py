@@ -9,6 +9,7 @@ import sys
 import textwrap
 import time
 from concurrent.futures import ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -98,6 +99,51 @@ def test_the_project_that_the_mark_names_and_the_trace_of_a_failed_test(pytester
     assert float(lines[-1].split(",")[2]) > 0.0
 
 
+def test_the_trace_of_a_long_test_is_that_of_its_last_seconds(pytester):
+    pytester.makepyfile(
+        """
+        def test_fails(machine):
+            machine.run(20.0)
+            machine["Move1.Speed"] = 250.0
+            machine.program("MAM(X, M1, Absolute, 5, 50, Unitspersec, 500, Unitspersec2, 500, Unitspersec2);")
+            machine.run(0.4)
+            assert False
+        """
+    )
+    result = pytester.runpytest_subprocess("--arcline-trace", "kept", "--arcline-trace-seconds", "0.5")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(["*test_fails.csv (the last 0.5 s of 20.4 s)*"])
+    (kept,) = (pytester.path / "kept").glob("*.csv")
+    rows = [line.split(",") for line in kept.read_text().splitlines()[1:]]
+    assert [int(row[0]) for row in rows] == list(range(19_900, 20_400))
+    assert float(rows[0][2]) == 0.0 and float(rows[-1][2]) == 5.0
+
+
+def test_a_trace_that_cannot_be_made_is_a_section_of_the_report(pytester):
+    pytester.makepyfile(
+        """
+        import arcline
+        import pytest
+
+        @pytest.fixture
+        def machine():
+            return arcline.Machine(journal=False)
+
+        def test_fails(machine):
+            assert False
+
+        def test_passes(machine):
+            pass
+        """
+    )
+    result = pytester.runpytest_subprocess("--arcline-trace", "kept")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*trace of the machine*", "*ArclineError: a machine with journal=False cannot be saved or pickled*"])
+    (pytester.path / "file").touch()
+    result = pytester.runpytest_subprocess("--arcline-trace", "file/kept", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1, failed=1)
+
+
 @needs_server
 def test_a_server_on_the_clock_that_the_mark_names(pytester):
     pytester.makepyfile(
@@ -146,6 +192,57 @@ def test_a_server_ends_with_the_process_that_started_it_however_that_ends():
     pid = int(starter.stdout.readline())
     starter.send_signal(signal.SIGKILL)
     starter.wait()
+    ends(pid)
+
+
+@needs_server
+def test_a_server_closes_at_once_while_a_forked_child_lives():
+    server = Server()
+    child = get_context("fork").Process(target=time.sleep, args=(600,))
+    child.start()
+    try:
+        began = time.monotonic()
+        assert server.close() == 0
+        assert time.monotonic() - began < 5
+    finally:
+        child.kill()
+        child.join()
+
+
+@needs_server
+def test_a_forked_child_does_not_end_the_server_of_its_parent():
+    with Server() as server:
+        child = get_context("fork").Process(target=server.close)
+        child.start()
+        child.join(20)
+        assert child.exitcode == 0 and connects(server)
+
+
+@needs_server
+def test_a_server_ends_with_its_process_while_a_forked_child_of_that_lives():
+    code = textwrap.dedent(
+        """
+        import time
+        from multiprocessing import get_context
+        from arcline.server import Server
+        server = Server()
+        child = get_context("fork").Process(target=time.sleep, args=(600,))
+        child.start()
+        print(server.pid, child.pid, flush=True)
+        time.sleep(600)
+        """
+    )
+    starter = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    pid, child = map(int, starter.stdout.readline().split())
+    starter.send_signal(signal.SIGKILL)
+    starter.wait()
+    try:
+        ends(pid)
+    finally:
+        os.kill(child, signal.SIGKILL)
+
+
+def ends(pid):
     deadline = time.monotonic() + 20
     while os.path.exists(f"/proc/{pid}/exe") and _state(pid) != "Z":
         assert time.monotonic() < deadline, "the server lives on"

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, Read as _, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::case::Invalid;
@@ -29,6 +30,8 @@ pub struct Batch {
     pub to: Option<u64>,
     /// Threads, 1 or more.
     pub jobs: usize,
+    /// True ends the batch, at the present tick of the cases that run; these have no result.
+    pub over: Arc<AtomicBool>,
 }
 
 /// The results of a batch in numbers.
@@ -112,7 +115,7 @@ impl Batch {
     }
 
     fn work<R: BufRead, W: Write>(&self, cases: &Mutex<Cases<R>>, results: &Mutex<Results<'_, W>>, moved: &Condvar) {
-        let mut worker = Worker::new(self.defaults.clone());
+        let mut worker = Worker::until(self.defaults.clone(), self.over.clone());
         loop {
             let next = lock(cases).next(self.from, self.to);
             let (number, line_number, line) = match next {
@@ -131,6 +134,11 @@ impl Batch {
                 Err(why) => Outcome::invalid(number, line_number, &why),
             };
             let mut results = lock(results);
+            if self.over.load(Ordering::Relaxed) {
+                results.is_over = true;
+                moved.notify_all();
+                return;
+            }
             while !results.is_over && number >= results.next + AHEAD {
                 results = moved.wait(results).unwrap_or_else(PoisonError::into_inner);
             }

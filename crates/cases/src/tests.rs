@@ -19,6 +19,7 @@ fn batch(jobs: usize) -> Batch {
         from: 0,
         to: None,
         jobs,
+        over: Arc::default(),
     }
 }
 
@@ -194,6 +195,37 @@ fn tags_and_keys_are_set_and_faults_come() {
     let ends: Vec<&Value> = results[6..].iter().map(|result| &result["end"]).collect();
     assert_eq!(ends, ["erred", "timeout"]);
     assert_eq!((&results[6]["err"], &results[6]["exerr"]), (&13.into(), &4.into()));
+}
+
+#[test]
+fn a_batch_that_is_over_ends_within_its_cases() {
+    let line = case("DELAY(1e8);", ",\"until\":1e9");
+    for jobs in [1, 3] {
+        let batch = batch(jobs);
+        // The thread sets it while the first cases run, each of which would take hours.
+        let done = std::thread::scope(|scope| {
+            let over = batch.over.clone();
+            let (began, begun) = std::sync::mpsc::channel();
+            let input = Begins(line.repeat(5).into_bytes().into(), began);
+            scope.spawn(move || {
+                let _ = begun.recv();
+                over.store(true, std::sync::atomic::Ordering::Relaxed);
+            });
+            batch.run(std::io::BufReader::new(input), std::io::sink(), &mut |_| true)
+        });
+        let done = done.expect("no error");
+        assert_eq!(done.results, 0, "{jobs} threads: a case that was ended has no result");
+    }
+}
+
+/// Tells when it is read first.
+struct Begins(std::collections::VecDeque<u8>, std::sync::mpsc::Sender<()>);
+
+impl std::io::Read for Begins {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let _ = self.1.send(());
+        self.0.read(buffer)
+    }
 }
 
 #[test]

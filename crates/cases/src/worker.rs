@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use arcline_controller::Controller;
@@ -135,6 +136,7 @@ pub fn prepared(text: &str, file: &str, set: &[(String, WriteValue)]) -> Result<
 #[derive(Debug)]
 pub struct Worker {
     defaults: Arc<Defaults>,
+    over: Arc<AtomicBool>,
     files: HashMap<String, Arc<str>>,
     machines: HashMap<String, Known>,
 }
@@ -149,8 +151,14 @@ struct Known {
 impl Worker {
     /// One that keeps nothing yet.
     pub fn new(defaults: Arc<Defaults>) -> Self {
+        Self::until(defaults, Arc::default())
+    }
+
+    /// The same; when `over` becomes true, the case that runs ends at its present tick.
+    pub(crate) fn until(defaults: Arc<Defaults>, over: Arc<AtomicBool>) -> Self {
         Worker {
             defaults,
+            over,
             files: HashMap::new(),
             machines: HashMap::new(),
         }
@@ -204,6 +212,7 @@ impl Worker {
         let mut seen = Seen {
             measures: Measures::with_faults(faults),
             trace: trace.transpose()?,
+            over: self.over.clone(),
         };
         let options = Options {
             until,
@@ -290,6 +299,7 @@ impl Known {
 struct Seen {
     measures: Measures,
     trace: Option<TraceFile>,
+    over: Arc<AtomicBool>,
 }
 
 impl Observer for Seen {
@@ -302,6 +312,6 @@ impl Observer for Seen {
         if let Some(trace) = &mut self.trace {
             trace.tick(tick, machine, controller);
         }
-        true
+        !self.over.load(Ordering::Relaxed)
     }
 }

@@ -30,4 +30,4 @@ pub use record::Record;
 pub use runner::{Locked, Options, Passed, Piece, RunLimits, Runner};
 pub use signals::{AXIS_SIGNALS, Columns, NoSignal, Signal, sample};
 pub use simulation::Simulation;
-pub use values::{Encoded, NotWritten, by_element, encoded};
+pub use values::{Encoded, NotWritten, by_element, encoded, try_write};

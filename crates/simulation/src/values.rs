@@ -1,6 +1,6 @@
 //! Values for tags by name, before a run or at the present tick.
 
-use arcline_controller::image::{ReadError, WriteError};
+use arcline_controller::image::{Image, ReadError, WriteEffect, WriteError};
 use arcline_tag::{Fraction, Location, Misfit, PathSegment, TagPath, WriteValue};
 
 use crate::calls::Origin;
@@ -90,6 +90,50 @@ fn each(
     })
 }
 
+/// Writes a value to tags that belong to no machine, and executes nothing: the errors are those of [`Simulation::write_tag`] with the same tags, but for
+/// those of an instruction that a write executes.
+///
+/// # Errors
+/// The tag does not exist, or cannot hold the value.
+pub fn try_write(image: &mut Image, text: &str, value: &WriteValue) -> Result<(), NotWritten> {
+    by_element(text, value, &mut |text, path, value| {
+        let written = write_part(image, text, path, value);
+        written.map(drop).map_err(|error| match error {
+            PartError::Write(error) => refused(text, error.into()),
+            PartError::Misfit(error) => error,
+        })
+    })
+}
+
+/// The reason why a part of a tag was not written.
+enum PartError {
+    Write(WriteError),
+    Misfit(NotWritten),
+}
+
+/// Writes a value other than an array.
+fn write_part(
+    image: &mut Image,
+    text: &str,
+    path: &TagPath,
+    value: &WriteValue,
+) -> Result<Option<WriteEffect>, PartError> {
+    let located = image.locate(path);
+    let (id, location) = located.map_err(|error| PartError::Write(error.into()))?;
+    let written = match encoded(text, &location, value).map_err(PartError::Misfit)? {
+        Encoded::Bit(bit, on) => image.write_bit(id, location.offset, bit, on),
+        Encoded::Bytes(bytes) => image.write(id, location.offset, &bytes),
+    };
+    written.map_err(PartError::Write)
+}
+
+fn refused(text: &str, error: Refused) -> NotWritten {
+    match error {
+        Refused::Write(WriteError::Read(error)) => NotWritten::Read(error),
+        error => NotWritten::Value(format!("{text}: {error}")),
+    }
+}
+
 impl Simulation {
     /// Writes a value to the tag of a path; for an array, to its first elements. A write to `EnableIn` executes its instruction at
     /// the present tick.
@@ -103,23 +147,18 @@ impl Simulation {
     fn write_one(&mut self, text: &str, path: &TagPath, value: &WriteValue) -> Result<(), NotWritten> {
         let mut misfit = None;
         let written = self.write(Origin::default(), |image| {
-            let (id, location) = image.locate(path)?;
-            match encoded(text, &location, value) {
-                Ok(Encoded::Bit(bit, on)) => image.write_bit(id, location.offset, bit, on),
-                Ok(Encoded::Bytes(bytes)) => image.write(id, location.offset, &bytes),
-                Err(error) => {
+            write_part(image, text, path, value).or_else(|error| match error {
+                PartError::Write(error) => Err(error),
+                PartError::Misfit(error) => {
                     misfit = Some(error);
                     Ok(None)
                 }
-            }
+            })
         });
-        if let Some(misfit) = misfit {
-            return Err(misfit);
-        }
-        match written {
-            Ok(_) => Ok(()),
-            Err(Refused::Write(WriteError::Read(error))) => Err(NotWritten::Read(error)),
-            Err(error) => Err(NotWritten::Value(format!("{text}: {error}"))),
+        match (misfit, written) {
+            (Some(misfit), _) => Err(misfit),
+            (None, Ok(_)) => Ok(()),
+            (None, Err(error)) => Err(refused(text, error)),
         }
     }
 

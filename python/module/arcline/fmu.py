@@ -34,7 +34,8 @@ class FmuPlant:
     """A plant for ``arcline.Machine(plant=..., plant_axes=plant.axes)``. All its variables are of type Float64 (Real in FMI 2.0).
 
     At tick 0 the FMU is initialised with the first set-points. At every later tick its inputs get the set-points of the tick, then it does a step of the length
-    of a tick, then its outputs are the feedback. ``start`` gives parameters their values. A step that fails is an exception of FMPy.
+    of a tick, then its outputs are the feedback. ``start`` gives parameters their values. A step that fails is an exception of FMPy, one that the FMU ends
+    early or with the end of the simulation a :class:`RuntimeError`. An FMU is the plant of one machine: another machine, or another run, needs another.
     """
 
     def __init__(
@@ -65,9 +66,13 @@ class FmuPlant:
     def __call__(self, set_points: SetPoints, feedback: Feedback, /) -> None:
         if self._time is None:
             self._begin(set_points)
-        else:
+        elif set_points.time > self._time:
             self._give(set_points)
-            self._fmu.doStep(currentCommunicationPoint=self._time, communicationStepSize=set_points.time - self._time)
+            self._step(self._time, set_points.time)
+        else:
+            raise ValueError(
+                f"the FMU is at {self._time} s, and the machine at {set_points.time} s: an FMU is the plant of one machine, make another FmuPlant"
+            )
         self._time = set_points.time
         for index, row in enumerate(self._rows):
             feedback.position[index] = self._get(row.position)
@@ -85,6 +90,16 @@ class FmuPlant:
             self._fmu.enterInitializationMode(startTime=set_points.time)
         self._give(set_points)
         self._fmu.exitInitializationMode()
+
+    def _step(self, now: float, then: float) -> None:
+        result = self._fmu.doStep(currentCommunicationPoint=now, communicationStepSize=then - now)
+        if self._is_2:
+            return
+        _, ends, is_early, reached = result
+        if ends:
+            raise RuntimeError(f"the FMU ends the simulation at {reached} s")
+        if is_early:
+            raise RuntimeError(f"the step of the FMU to {then} s returned early, at {reached} s")
 
     def _give(self, set_points: SetPoints) -> None:
         enable = set_points.enable

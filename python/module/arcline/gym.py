@@ -79,24 +79,40 @@ class _Machines:
         for tag, (low, high) in self.draw.items():
             for index in np.flatnonzero(mask):
                 self.drawn[tag][index] = generators[int(index)].uniform(low, high)
-            self.batch.write(tag, self.drawn[tag])
+            self.batch.write(tag, self.drawn[tag], mask)
         if self.program is not None:
             self.batch.program(self.program, mask=mask)
         self.count[mask] = 0
         self.batch.step(0)
 
-    def step(self, actions: npt.NDArray[Any]) -> None:
-        """Writes a row of values for each machine, and lets the ticks of a step pass."""
+    def step(self, actions: npt.NDArray[Any], mask: npt.NDArray[np.bool_]) -> None:
+        """Writes a row of values for each machine of the mask, and lets the ticks of a step pass on all."""
         for column, (tag, (low, high)) in enumerate(self.act.items()):
-            self.batch.write(tag, np.clip(actions[:, column].astype(np.float64), low, high))
+            values = actions[:, column].astype(np.float64)
+            for index in np.flatnonzero(np.isnan(values) & mask)[:1]:
+                which = f"action of machine {index}" if len(values) > 1 else "action"
+                raise ValueError(f"the {which} for {tag} is NaN, expected {low} to {high}")
+        for column, (tag, (low, high)) in enumerate(self.act.items()):
+            self.batch.write(tag, np.clip(actions[:, column].astype(np.float64), low, high), mask)
         self.batch.step(self.ticks)
         self.count += 1
 
     def observations(self) -> Array:
         return np.stack(self.columns, axis=-1)
 
-    def truncated(self) -> npt.NDArray[np.bool_]:
-        return self.count >= self.steps
+    def infos(self) -> tuple[npt.NDArray[np.bool_], dict[str, Any]]:
+        """Whether the program of each machine has failed, and the infos of a vector of environments, with the errors."""
+        errors = self.batch.errors()
+        failed = np.array([error is not None for error in errors])
+        if not failed.any():
+            return failed, {}
+        column = np.empty(len(errors), dtype=object)
+        column[:] = errors
+        return failed, {"error": column, "_error": failed}
+
+    def truncated(self, failed: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+        """Whether the time of each episode is over, or its program has failed."""
+        return (self.count >= self.steps) | failed
 
 
 def box(bounds: Bounds, kind: type[np.floating[Any]]) -> gymnasium.spaces.Box:
@@ -111,6 +127,10 @@ class Env(gymnasium.Env[Any, Any]):
     ``observe`` then. ``program`` (Structured Text) is started at each reset, after the tags of ``draw`` were given values between their bounds, the only thing
     that the seed decides: the machine itself does the same for the same actions. ``reward`` and ``terminated`` are functions of an observation;
     an episode is truncated after ``until`` seconds. Without arguments X shall go to a drawn position.
+
+    When the program fails, the episode is truncated, and ``info["error"]`` is the exception, as :attr:`arcline.Program.error` has it. It is truncated and
+    not terminated, so that no agent learns to end an episode with negative rewards by an error; a wrapper may add a penalty. An action that is NaN is
+    refused with a :class:`ValueError` and no time passes; one outside its bounds is clipped.
 
     >>> env = Env()
     >>> observation, info = env.reset(seed=1)
@@ -145,21 +165,28 @@ class Env(gymnasium.Env[Any, Any]):
         """Brings the machine back to its beginning."""
         super().reset(seed=seed)
         self._machines.begin(np.array([True]), [self.np_random])
-        return self._machines.observations()[0], {}
+        return self._machines.observations()[0], self._infos()[1]
 
     def step(self, action: npt.NDArray[np.float32]) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Writes an action and lets the ticks of a step pass."""
-        self._machines.step(np.asarray(action).reshape(1, -1))
+        self._machines.step(np.asarray(action).reshape(1, -1), np.array([True]))
         observation = self._machines.observations()[0]
         ended = self._terminated is not None and bool(self._terminated(observation))
-        return observation, float(self._reward(observation)), ended, bool(self._machines.truncated()[0]), {}
+        truncated, info = self._infos()
+        return observation, float(self._reward(observation)), ended, truncated, info
+
+    def _infos(self) -> tuple[bool, dict[str, Any]]:
+        """Whether the episode is truncated, and its info."""
+        failed, infos = self._machines.infos()
+        return bool(self._machines.truncated(failed)[0]), {"error": infos["error"][0]} if infos else {}
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """Many machines, stepped together on ``threads`` threads (0: all processors); machine ``i`` does what an :class:`Env` with the seed ``seed + i`` does.
 
     An episode that has ended is begun anew by the next step (``AutoresetMode.NEXT_STEP``), whose action for it is passed over.
-    ``reset(options={"reset_mask": mask})`` begins those of the mask only.
+    ``reset(options={"reset_mask": mask})`` begins those of the mask only. ``infos["error"]`` has the exceptions of programs, and ``infos["_error"]`` says of
+    which machines; both are left out while no program has failed.
     """
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
@@ -203,22 +230,24 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 self._generators[index] = gymnasium.utils.seeding.np_random(one)[0]
         self._machines.begin(mask, self._generators)
         self._ended[mask] = False
-        return self._machines.observations(), {}
+        return self._machines.observations(), self._machines.infos()[1]
 
     def step(
         self, actions: npt.NDArray[np.float32]
     ) -> tuple[Array, Array, npt.NDArray[np.bool_], npt.NDArray[np.bool_], dict[str, Any]]:
         """Writes the actions and lets the ticks of a step pass, or begins an episode anew where the last one has ended."""
         begun = self._ended.copy()
-        self._machines.step(np.asarray(actions).reshape(self.num_envs, -1))
+        self._machines.step(np.asarray(actions).reshape(self.num_envs, -1), ~begun)
         if begun.any():
             self._machines.begin(begun, self._generators)
         observations = self._machines.observations()
         rewards = np.where(begun, 0.0, np.asarray(self._reward(observations), dtype=np.float64))
         ended = np.zeros(self.num_envs, dtype=bool) if self._terminated is None else np.asarray(self._terminated(observations), dtype=bool) & ~begun
-        truncated = self._machines.truncated()
+        failed, infos = self._machines.infos()
+        # An episode whose program failed at its beginning is truncated by its first step, as that of an Env is.
+        truncated = self._machines.truncated(failed) & ~begun
         self._ended = ended | truncated
-        return observations, rewards, ended, truncated, {}
+        return observations, rewards, ended, truncated, infos
 
 
 gymnasium.register(ID, entry_point="arcline.gym:Env", vector_entry_point="arcline.gym:VectorEnv")

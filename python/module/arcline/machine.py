@@ -49,8 +49,8 @@ class Machine(_arcline.Machine):
 
     ``plant`` is a callable of ``(set_points, feedback)``, called once in every tick: it gets the set-points of the axes (:class:`SetPoints`) and writes
     where they are (:class:`Feedback`). ``plant_axes`` names the axes that it moves; without it they are all that have a drive. An exception of
-    the plant is raised by the call that lets time pass; its axes have the fault ``drive`` then, and the plant is not called any more. A
-    machine with a plant cannot be saved.
+    the plant is raised by the call that lets time pass; its axes have the fault ``drive`` then, and the plant is not called any more. Ctrl-C while
+    the plant is at work is no exception of the plant: the tick passes with the feedback of the one before. A machine with a plant cannot be saved.
 
     >>> m = Machine()
     >>> m["Move1.Speed"] = 250.0
@@ -152,13 +152,12 @@ class Machine(_arcline.Machine):
 
     def restore(self, state: bytes) -> None:
         """Brings the machine to a state of :meth:`save`, to the bit. It takes as long as to run there. Programs are those of the state:
-        programs that were started by then go on, those that were started since are gone.
+        programs that were started by then go on, those that were started since are gone. :meth:`events` has those behind the state.
 
         Read states of your own only: as everything that is pickled, a state of a stranger can run code.
         """
         config, _, journal = pickle.loads(state)
-        self._restart(config)
-        self._replay(journal)
+        self._restore(config, journal)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restored, self._journal()

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import threading
+import weakref
 from pathlib import Path
 from types import TracebackType
 
@@ -16,7 +17,8 @@ class Server:
     """A real ``arcline-server`` on free ports. It ends with :meth:`close`, and with the process that started it, however that ends.
 
     The program is that of ``program``, of the environment variable ``ARCLINE_SERVER_PROGRAM``, or ``arcline-server`` of the path. ``clock`` is
-    ``real``, ``step`` or ``fast:N``; further arguments go to the program.
+    ``real``, ``step`` or ``fast:N``; further arguments go to the program. Processes that are forked from this one, as ``multiprocessing`` does, neither
+    keep the server nor end it.
     """
 
     #: Address of EtherNet/IP, ``HOST:PORT``: what LogixDriver of pycomm3 takes.
@@ -37,6 +39,7 @@ class Server:
         if config is not None:
             command += ["--config", os.fspath(config)]
         self._log: list[str] = []
+        self._owner = os.getpid()
         self._process = subprocess.Popen(
             [*command, *arguments],
             stdin=subprocess.PIPE,
@@ -44,6 +47,7 @@ class Server:
             stderr=subprocess.PIPE,
             text=True,
         )
+        _SERVERS.add(self)
         self._reader = threading.Thread(target=self._read_log, daemon=True)
         self._reader.start()
         late = threading.Timer(ready_within, self._process.kill)
@@ -69,12 +73,11 @@ class Server:
         return self._process.pid
 
     def close(self) -> int:
-        """Stops all motion and the server; returns its exit code."""
-        assert self._process.stdin is not None
-        try:
-            self._process.stdin.close()
-        except BrokenPipeError:
-            pass
+        """Stops all motion and the server; returns its exit code. In a forked process it does nothing and returns 0: the server is not that process's."""
+        if os.getpid() != self._owner:
+            return 0
+        self._close_input()
+        self._process.terminate()
         try:
             code = self._process.wait(10)
         except subprocess.TimeoutExpired:
@@ -94,10 +97,31 @@ class Server:
     ) -> None:
         self.close()
 
+    def _close_input(self) -> None:
+        """Closes this process's end of the pipe at whose end the server stops."""
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.close()
+        except BrokenPipeError:
+            pass
+
     def _read_log(self) -> None:
         assert self._process.stderr is not None
         for line in self._process.stderr:
             self._log.append(line)
+
+
+#: The servers of this process.
+_SERVERS: weakref.WeakSet[Server] = weakref.WeakSet()
+
+
+def _close_inputs() -> None:
+    """A forked process has the pipes of the servers of its parent too, whose end would not come while it lives."""
+    for server in list(_SERVERS):
+        server._close_input()
+
+
+os.register_at_fork(after_in_child=_close_inputs)
 
 
 def _program(program: str | os.PathLike[str] | None) -> Path:

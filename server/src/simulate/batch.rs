@@ -41,6 +41,7 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
         from: args.batch.from.max(args.batch.first),
         to: args.batch.to,
         jobs: args.batch.jobs.map_or_else(processors, usize::from),
+        over: Arc::default(),
     };
     let cannot_read = |error: io::Error| Failure::usage(format!("{}: cannot be read: {error}", cases.display()));
     let input: Box<dyn BufRead + Send> = if is_standard_output(cases) {
