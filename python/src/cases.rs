@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use arcline_cases::{Batch, Defaults};
+use arcline_cases::{Batch, BatchError, Defaults};
 use arcline_tag::WriteValue;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -49,6 +49,7 @@ pub(crate) fn simulate_many(
         from: first,
         to: None,
         jobs: threads,
+        behind: None,
     };
     let mut output = Vec::new();
     // Checked between results: Ctrl-C ends a batch behind the case that runs.
@@ -64,6 +65,9 @@ pub(crate) fn simulate_many(
     if let Some(error) = interrupted {
         return Err(error);
     }
-    ran.map_err(|error| PyOSError::new_err(error.to_string()))?;
+    ran.map_err(|error| match error {
+        BatchError::Read(_) | BatchError::Write(_) => PyOSError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    })?;
     String::from_utf8(output).map_err(|error| PyValueError::new_err(error.to_string()))
 }
