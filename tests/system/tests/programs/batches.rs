@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
+use arcline_system_tests::gcode::peak_of;
 use arcline_system_tests::programs;
 use serde_json::Value;
 
@@ -253,6 +254,41 @@ fn options_that_exclude_each_other_are_refused() {
             "{arguments:?}: {told}"
         );
     }
+}
+
+/// A process has as much memory for 20,000 cases as for 1,000, also with more machines and programs than it keeps.
+#[test]
+fn memory_does_not_grow_with_the_number_of_cases() {
+    let folder = folder();
+    let at = folder.path();
+    let peak = |count: usize| {
+        let case = |number: usize| {
+            let (speed, text) = (number / 10 + 1, number % 3_000);
+            format!("{{\"set\":{{\"axis.X.max_speed\":{speed}.0}},\"text\":\"DELAY(0.{text:04});\"}}\n")
+        };
+        fs::write(at.join("cases.jsonl"), (0..count).map(case).collect::<String>()).expect("writable");
+        let mut command = Command::new(programs::arcline_server());
+        command.args([
+            "simulate",
+            "--cases",
+            "cases.jsonl",
+            "--output",
+            "out.jsonl",
+            "--until",
+            "0.01",
+            "--jobs",
+            "2",
+        ]);
+        let mut child = command.current_dir(at).spawn().expect("the server was just built");
+        let peak = peak_of(&mut child);
+        assert!(child.wait().expect("it is ours").success());
+        let lines = fs::read(at.join("out.jsonl")).expect("results");
+        assert_eq!(lines.iter().filter(|byte| **byte == b'\n').count(), count);
+        peak
+    };
+    let (few, many) = (peak(1_000), peak(20_000));
+    println!("{few} bytes for 1,000 cases, {many} for 20,000");
+    assert!(many < few + few / 4, "{few} bytes for 1,000 cases, {many} for 20,000");
 }
 
 /// The goal is 1,667 runs of two seconds a second on two processors; the floor of the release build leaves room for a machine that is busy with something
