@@ -4,5 +4,7 @@
 # is lost is started again with its chunk. For several computers add --sshlogin.
 set -eu
 export PROGRAM="$1" CHUNK="${CHUNK:-1000}"
-exec parallel --will-cite --pipe -N "$CHUNK" --keep-order --retries 3 --jobs "${JOBS:-100%}" \
-    'arcline-server simulate "$PROGRAM" --cases - --first $((({#} - 1) * CHUNK)) --jobs 1' <"$2"
+exec <"$2"
+# Blank lines are no cases, and parallel counts them.
+grep -v '^[[:space:]]*$' | parallel --will-cite --pipe -N "$CHUNK" --keep-order --retries 3 --jobs "${JOBS:-100%}" \
+    'arcline-server simulate "$PROGRAM" --cases - --first $((({#} - 1) * CHUNK)) --jobs 1'

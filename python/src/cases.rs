@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use arcline_cases::{Batch, Defaults};
+use arcline_cases::{Batch, BatchError, Defaults};
 use arcline_tag::WriteValue;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -53,12 +53,16 @@ pub(crate) fn simulate_many(
         to: None,
         jobs: threads,
         over: over.clone(),
+        behind: None,
     };
     let mut output = Vec::new();
     let thread = std::thread::Builder::new().name("cases".to_owned());
     let ran = watched(py, thread, &over, || {
         batch.run(cases.as_bytes(), &mut output, &mut |_| true)
     })?;
-    ran.map_err(|error| PyOSError::new_err(error.to_string()))?;
+    ran.map_err(|error| match error {
+        BatchError::Read(_) | BatchError::Write(_) => PyOSError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    })?;
     String::from_utf8(output).map_err(|error| PyValueError::new_err(error.to_string()))
 }

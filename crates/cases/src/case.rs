@@ -128,6 +128,9 @@ impl Case {
     /// # Errors
     /// It is no JSON object, or has members that no case has.
     pub fn parse(line: &str) -> Result<Self, Invalid> {
+        if !line.trim_start().starts_with('{') {
+            return Err(Invalid("expected a JSON object, such as {}".to_owned()));
+        }
         let case: Case = serde_json::from_str(line).map_err(|error| {
             // Of the line itself; in which line of the file it stands, the caller says.
             Invalid(error.to_string().replace(" at line 1 column ", ", column "))

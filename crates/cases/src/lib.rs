@@ -12,14 +12,16 @@ mod batch;
 mod case;
 mod measures;
 mod outcome;
+mod resume;
 #[cfg(test)]
 mod tests;
 mod trace;
 mod worker;
 
-pub use batch::{Batch, BatchError, Done, finished};
+pub use batch::{Batch, BatchError, Done, LARGEST};
 pub use case::{Case, FaultAt, FaultTime, Invalid, Pairs, QueueFullWord};
 pub use measures::Measures;
-pub use outcome::{Outcome, Peak, Raised, config_hash};
+pub use outcome::{INVALID, Outcome, Peak, Raised, text_hash};
+pub use resume::{Finished, Other, finished};
 pub use trace::TraceFile;
 pub use worker::{Defaults, Prepared, Worker, prepared};

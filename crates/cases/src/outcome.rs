@@ -7,7 +7,7 @@ use arcline_simulation::End;
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
-use crate::case::Invalid;
+use crate::case::{Case, Invalid};
 use crate::measures::{Measures, hex};
 
 /// A result. What does not apply is left out.
@@ -20,11 +20,14 @@ pub struct Outcome {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<serde_json::Value>,
     /// How it ended: `finished`; `erred`, by an instruction; `failed`, the program could not go on; `timeout`; `fault`, of a task of a project;
-    /// `invalid`, it was not run.
+    /// [`INVALID`], it was not run.
     pub end: &'static str,
     /// The error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// Why its trace is not whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trace_error: Option<String>,
     /// Simulated time, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
@@ -55,6 +58,9 @@ pub struct Outcome {
     /// SHA-256 of the trace ([`Measures::tick`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hash: Option<String>,
+    /// SHA-256 of the program's text, its first 16 digits.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub program: Option<String>,
     /// SHA-256 of the configuration's text, its first 16 digits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub config: Option<String>,
@@ -100,9 +106,21 @@ impl Outcome {
     pub fn invalid(case: u64, line: u64, why: &Invalid) -> Self {
         Outcome {
             case: Some(case),
-            end: "invalid",
+            end: INVALID,
             error: Some(format!("line {line}: {why}")),
-            version: env!("CARGO_PKG_VERSION"),
+            version: VERSION,
+            ..Outcome::default()
+        }
+    }
+
+    /// The result of a case in which this program has a defect; the line of the case and its number in the file.
+    pub fn panicked(case: u64, number: u64, line: &str, why: &str) -> Self {
+        Outcome {
+            case: Some(case),
+            id: Case::parse(line).ok().and_then(|case| case.id),
+            end: "failed",
+            error: Some(format!("line {number}: a defect of Arcline: {why}")),
+            version: VERSION,
             ..Outcome::default()
         }
     }
@@ -140,7 +158,7 @@ impl Outcome {
             peaks: moved.map(|(name, peak)| (name, *peak)).collect(),
             faults: measures.faults.clone(),
             hash: Some(measures.hash()),
-            version: env!("CARGO_PKG_VERSION"),
+            version: VERSION,
             ..Outcome::default()
         }
     }
@@ -151,7 +169,13 @@ impl Outcome {
     }
 }
 
-/// By what the text of a configuration is known.
-pub fn config_hash(text: &str) -> String {
+/// The end of a case that was not run.
+pub const INVALID: &str = "invalid";
+
+/// The version of Arcline.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// By what the text of a program or a configuration is known: the first 16 digits of its SHA-256.
+pub fn text_hash(text: &str) -> String {
     hex(&Sha256::digest(text.as_bytes())[..8])
 }

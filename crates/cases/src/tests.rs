@@ -1,11 +1,13 @@
 //! Cases and batches.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::Value;
 
-use crate::{Batch, Defaults, Done, finished};
+use crate::worker::Worker;
+use crate::{Batch, BatchError, Defaults, Done, Finished, Other, finished};
 
 const MOVE: &str = "MCLM(CS1, M1, Absolute, [10, 5, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
 
@@ -20,6 +22,7 @@ fn batch(jobs: usize) -> Batch {
         to: None,
         jobs,
         over: Arc::default(),
+        behind: None,
     }
 }
 
@@ -65,7 +68,7 @@ fn results_come_in_the_order_of_the_cases_on_any_number_of_threads() {
         done,
         Done {
             results: 40,
-            invalid: 0
+            ..Done::default()
         }
     );
     let one = without_wall(one);
@@ -118,6 +121,7 @@ fn a_case_that_cannot_be_run_is_told_with_its_line_and_ends_nothing() {
         ),
         &case(MOVE, ",\"until\":-1"),
         &long,
+        "\n[]\n",
         "\n",
         &case(MOVE, ""),
     ]
@@ -126,8 +130,9 @@ fn a_case_that_cannot_be_run_is_told_with_its_line_and_ends_nothing() {
     assert_eq!(
         done,
         Done {
-            results: 15,
-            invalid: 13
+            results: 16,
+            invalid: 14,
+            untraced: 0
         }
     );
     #[rustfmt::skip]
@@ -136,7 +141,7 @@ fn a_case_that_cannot_be_run_is_told_with_its_line_and_ends_nothing() {
         "line 7: no/such/file.st: cannot be read", "line 8: the program: line 1, column 5: there is no axis `XX`",
         "line 9: set axis.XX.max_speed: there is no axis \"XX\"", "line 10: ", "line 11: set Move1.Sped: ",
         "line 12: there is no fault \"overcurent\", did you mean \"overcurrent\"?", "line 13: faults[0].at: expected", "line 14: until is -1",
-        "line 15: the line is longer", "finished",
+        "line 15: the line is longer", "line 16: expected a JSON object", "finished",
     ];
     for (number, (result, expected)) in results.iter().zip(expected).enumerate() {
         assert_eq!(result["case"], number, "{result}");
@@ -262,20 +267,204 @@ fn traces_have_the_chosen_signals() {
     assert_eq!(wrong[0]["end"], "invalid");
 }
 
-#[test]
-fn a_file_of_results_is_gone_on_with_behind_its_last_whole_line() {
-    let lines = "{\"case\":5,\"end\":\"finished\"}\n{\"case\":6}\n";
-    assert_eq!(finished(&b""[..], 5).expect("empty"), (0, 0));
-    assert_eq!(finished(lines.as_bytes(), 5).expect("two"), (2, lines.len() as u64));
-    let torn = format!("{lines}{{\"case\":7,\"en");
-    assert_eq!(finished(torn.as_bytes(), 5).expect("two"), (2, lines.len() as u64));
-    let error = finished(lines.as_bytes(), 0).expect_err("of other cases").to_string();
-    assert!(error.contains("line 1 is not the result of case 0"), "{error}");
+/// What a file of results has; the first is to be that of case 5.
+fn finished_from_5(text: &str) -> Result<Finished, Other> {
+    finished(text.as_bytes(), 5).expect("memory can be read")
 }
 
 #[test]
-fn memory_has_a_bound() {
-    // More machines and programs than a worker keeps.
+fn a_file_of_results_is_gone_on_with_behind_its_last_whole_line() {
+    let lines =
+        "{\"case\":5,\"end\":\"invalid\"}\n{\"case\":6}\n{\"case\":7,\"end\":\"finished\",\"trace_error\":\"\"}\n";
+    assert_eq!(finished_from_5("").expect("empty"), Finished::default());
+    let three = finished_from_5(lines).expect("three");
+    let done = Done {
+        results: 3,
+        invalid: 1,
+        untraced: 1,
+    };
+    assert_eq!((three.done, three.bytes), (done, lines.len() as u64));
+    for torn in ["{\"case\":8,\"en", "{\"ca", "{"] {
+        assert_eq!(finished_from_5(&format!("{lines}{torn}")), Ok(three.clone()), "{torn}");
+    }
+    for (text, line, expected) in [
+        ("{\"case\":6}\n", 1, 5),
+        ("{\"case\":5}\n{\"case\":5}\n", 2, 6),
+        ("not JSON\n", 1, 5),
+        ("a text of one line without end", 1, 5),
+    ] {
+        assert_eq!(finished_from_5(text), Err(Other::Line { line, expected }), "{text}");
+    }
+}
+
+#[test]
+fn a_batch_goes_on_behind_its_own_results_only() {
+    let cases = [
+        case(MOVE, ",\"id\":1"),
+        case(MOVE, ",\"id\":2"),
+        "{}\n".to_owned(),
+        case(MOVE, ",\"id\":4"),
+    ];
+    let lines = cases.concat();
+    let run = |defaults: &Arc<Defaults>, lines: &str, from, to, behind: Option<Finished>| {
+        let mut output = Vec::new();
+        let part = Batch {
+            defaults: defaults.clone(),
+            from,
+            to,
+            behind,
+            ..batch(1)
+        };
+        let done = part.run(lines.as_bytes(), &mut output, &mut |_| true)?;
+        Ok::<_, BatchError>((String::from_utf8(output).expect("JSON is UTF-8"), done))
+    };
+    let defaults = batch(1).defaults;
+    // Behind a result of a case that ran, and behind one that did not.
+    for count in [2, 3] {
+        let (text, _) = run(&defaults, &lines, 0, Some(count), None).expect("it runs");
+        let behind = finished(text.as_bytes(), 0).expect("readable").expect("results");
+        let resumed = |defaults: &Arc<Defaults>, lines: &str| {
+            let ran = run(defaults, lines, count, None, Some(behind.clone()));
+            ran.map_err(|error| error.to_string())
+        };
+        let (rest, _) = resumed(&defaults, &lines).expect("it goes on");
+        assert_eq!(rest.lines().count() as u64, 4 - count);
+        let other = |change: fn(&mut Defaults)| {
+            let mut other = (*defaults).clone();
+            change(&mut other);
+            Arc::new(other)
+        };
+        let other_id = lines.replace("\"id\":2", "\"id\":\"two\"");
+        let short = cases[..1].concat();
+        let other_text = lines.replace("[10, 5, 0]", "[11, 5, 0]");
+        let other_seed = other(|defaults| defaults.seed += 1);
+        let other_machine =
+            other(|defaults| defaults.set = vec![("axis.X.max_speed".to_owned(), "50".parse().expect("a value"))]);
+        let all = count == 2;
+        #[rustfmt::skip]
+        let rows = [
+            ("as before",         &defaults,      &lines,      None),
+            ("another seed",      &other_seed,    &lines,      all.then_some("seed 101, expected 102")),
+            ("another machine",   &other_machine, &lines,      all.then_some("config")),
+            ("another program",   &defaults,      &other_text, all.then_some("program")),
+            ("another id",        &defaults,      &other_id,   all.then_some("id 2, expected \"two\"")),
+            ("too few cases",     &defaults,      &short,      Some("no such case")),
+        ];
+        for (why, defaults, lines, expected) in rows {
+            match (resumed(defaults, lines), expected) {
+                (Ok(_), None) => {}
+                (Err(error), Some(expected)) => assert!(error.contains(expected), "{why}: {error}"),
+                (resumed, expected) => panic!("{why}: {resumed:?}, expected {expected:?}"),
+            }
+        }
+    }
+    let old = "{\"case\":0,\"id\":1,\"version\":\"0.0.1\"}\n";
+    let behind = finished(old.as_bytes(), 0).expect("readable").expect("a result");
+    let error = run(&defaults, &lines, 1, None, Some(behind)).expect_err("of another version");
+    assert!(error.to_string().contains("version 0.0.1"), "{error}");
+}
+
+#[test]
+fn a_panic_is_the_result_of_its_case() {
+    let lines: String = (0..10).map(|id| case("DELAY(0);", &format!(",\"id\":{id}"))).collect();
+    let run_line = |worker: &mut Worker, number: u64, line: u64, text: &str| {
+        assert!(number != 3, "case {number}");
+        worker.run_line(number, line, text)
+    };
+    let mut output = Vec::new();
+    let done = batch(2).run_with(lines.as_bytes(), &mut output, &mut |_| true, &run_line);
+    assert_eq!(done.expect("it ends").results, 10);
+    let text = String::from_utf8(output).expect("JSON is UTF-8");
+    for (number, line) in text.lines().enumerate() {
+        let result: Value = serde_json::from_str(line).expect("a result is JSON");
+        assert_eq!((&result["case"], &result["id"]), (&number.into(), &number.into()));
+        let expected = if number == 3 { "failed" } else { "finished" };
+        assert_eq!(result["end"], expected, "{line}");
+        if number == 3 {
+            assert_eq!(result["error"], "line 4: a defect of Arcline: case 3");
+        }
+    }
+}
+
+#[test]
+fn numbers_that_are_too_large_are_refused() {
+    for (first, from) in [(u64::MAX - 1, 0), ((1 << 53) + 1, 0), (0, u64::MAX)] {
+        let batch = Batch {
+            first,
+            from,
+            ..batch(1)
+        };
+        let ran = batch.run(&b"{}\n{}\n{}\n"[..], std::io::sink(), &mut |_| true);
+        let error = ran.expect_err("too large").to_string();
+        assert!(error.contains("expected at most 9007199254740992"), "{error}");
+    }
+    let last = Batch {
+        first: 1 << 53,
+        ..batch(1)
+    };
+    assert_eq!(results(&last, &case(MOVE, "")).0[0]["case"], 1_u64 << 53);
+}
+
+#[test]
+fn each_case_has_a_trace_of_its_own_and_never_standard_output() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let traced = |name: &str| case("DELAY(0);", &format!(",\"trace\":{}", Value::from(name)));
+    let same = folder.path().join(".").join("a.csv").display().to_string();
+    let lines = [
+        traced("-"),
+        traced(&at("a.csv")),
+        traced(&at("{case}.csv")),
+        traced(&same),
+        traced(&at("{case}.csv")),
+        traced(&at("b.csv")),
+        traced("/dev/full"),
+    ]
+    .concat();
+    for jobs in [1, 3] {
+        let (results, done) = results(&batch(jobs), &lines);
+        let ends: Vec<_> = results
+            .iter()
+            .map(|result| result["end"].as_str().unwrap_or_default())
+            .collect();
+        #[rustfmt::skip]
+        assert_eq!(ends, ["invalid", "finished", "finished", "invalid", "finished", "finished", "finished"]);
+        let error = |number: usize| results[number]["error"].as_str().unwrap_or_default().to_owned();
+        assert!(error(0).contains("line 1: trace is -, expected a file"), "{}", error(0));
+        assert!(
+            error(3).contains("line 4: trace: an earlier case has written"),
+            "{}",
+            error(3)
+        );
+        // It ran, and its trace is not there.
+        let lost = results[6]["trace_error"].as_str().expect("it says so");
+        assert!(
+            lost.contains("cannot be written") && results[6]["hash"].is_string(),
+            "{lost}"
+        );
+        assert_eq!((done.invalid, done.untraced), (2, 1));
+        assert!(
+            ["a.csv", "2.csv", "4.csv", "b.csv"]
+                .iter()
+                .all(|name| Path::new(&at(name)).exists())
+        );
+    }
+    // The same cases are refused where only a part is run.
+    let part = Batch { from: 3, ..batch(1) };
+    assert_eq!(results(&part, &lines).1.invalid, 1);
+    let one = Batch {
+        defaults: Arc::new(Defaults {
+            trace: Some(at("all.csv")),
+            ..Defaults::default()
+        }),
+        ..batch(1)
+    };
+    let ran = one.run(lines.as_bytes(), std::io::sink(), &mut |_| true);
+    assert!(matches!(ran, Err(BatchError::Trace(_))), "{ran:?}");
+}
+
+#[test]
+fn more_machines_and_programs_than_a_worker_keeps_all_run() {
     let lines: String = (0..200)
         .map(|number| {
             case(

@@ -15,9 +15,10 @@ use arcline_simulation::{ImageNames, Observer, Options, Runner, Simulation};
 use arcline_structured_text::{Interpreter, OnError, Policy, Program, QueueFull};
 use arcline_tag::WriteValue;
 
+use crate::batch::CASE;
 use crate::case::{Case, Invalid};
 use crate::measures::Measures;
-use crate::outcome::{Outcome, config_hash};
+use crate::outcome::{Outcome, VERSION, text_hash};
 use crate::trace::TraceFile;
 
 /// Files, machines, and programs of each machine, that a worker keeps; when there are more, it drops all, so that memory has a bound.
@@ -117,12 +118,12 @@ pub fn prepared(text: &str, file: &str, set: &[(String, WriteValue)]) -> Result<
     let first = |name: &str| name.split(['.', '[']).next().unwrap_or_default().to_owned();
     let is_key = |name: &str| image.find(&first(name)).is_none() && arcline_config::is_key(name);
     let (keys, tags): (Vec<_>, Vec<_>) = set.iter().cloned().partition(|(name, _)| is_key(name));
-    let mut hash = config_hash(text);
+    let mut hash = text_hash(text);
     if !keys.is_empty() {
         let changed = arcline_config::with_keys(text, &keys).map_err(|why| Invalid(format!("set {why}")))?;
         project = load(&changed)?;
         image = project.image();
-        hash = config_hash(&changed);
+        hash = text_hash(&changed);
     }
     Ok(Prepared {
         machine: Arc::new(project.machine.clone()),
@@ -145,7 +146,24 @@ pub struct Worker {
 #[derive(Debug)]
 struct Known {
     prepared: Arc<Prepared>,
-    programs: HashMap<Arc<str>, Program>,
+    programs: HashMap<Arc<str>, Checked>,
+}
+
+/// A program, and by what it is known.
+#[derive(Clone, Debug)]
+struct Checked {
+    program: Program,
+    hash: Arc<str>,
+}
+
+/// By what the result of a case is known. A member that is missing is not known before the case runs.
+#[derive(Debug)]
+pub(crate) struct Identity {
+    pub(crate) id: Option<serde_json::Value>,
+    pub(crate) version: &'static str,
+    pub(crate) seed: Option<u64>,
+    pub(crate) program: Option<String>,
+    pub(crate) config: Option<String>,
 }
 
 impl Worker {
@@ -184,19 +202,11 @@ impl Worker {
     pub fn run(&mut self, number: u64, case: &Case) -> Result<Outcome, Invalid> {
         let began = Instant::now();
         let defaults = self.defaults.clone();
-        let text = match (&case.text, case.program.as_ref().or(defaults.program.as_ref())) {
-            (Some(text), _) => Arc::from(text.as_str()),
-            (None, Some(file)) => self.file(file)?,
-            (None, None) => {
-                return Err(Invalid(
-                    "expected a program, as file (program) or text (text)".to_owned(),
-                ));
-            }
-        };
+        let text = self.text(case)?;
         let known = self.machine(case, &defaults)?;
         let prepared = known.prepared.clone();
-        let program = known.program(&text)?;
-        let seed = case.seed.unwrap_or_else(|| defaults.seed.wrapping_add(number));
+        let Checked { program, hash } = known.program(&text)?;
+        let seed = self.seed(number, case);
         let until = case.until.unwrap_or(defaults.until);
         if !(0.0..=1e9).contains(&until) {
             return Err(Invalid(format!("until is {until}, expected 0 to 1e9 s")));
@@ -205,8 +215,13 @@ impl Worker {
         let faults = case.faults(&machine, seed)?;
         let simulation = prepared.simulation()?;
         let trace = case.trace.as_ref().or(defaults.trace.as_ref());
+        if trace.is_some_and(|file| file == "-") {
+            return Err(Invalid(
+                "trace is -, expected a file: standard output has the results".to_owned(),
+            ));
+        }
         let trace = trace.map(|pattern| {
-            let path = pattern.replace("{case}", &number.to_string());
+            let path = pattern.replace(CASE, &number.to_string());
             TraceFile::create(path.as_ref(), &machine, &defaults.signals, defaults.every)
         });
         let mut seen = Seen {
@@ -227,20 +242,51 @@ impl Worker {
         };
         let mut runner = Runner::of(simulation);
         let end = runner.run(Interpreter::new(program), options, &mut seen);
-        if let Some(trace) = seen.trace {
-            trace
-                .finish()
-                .map_err(|error| Invalid(format!("its trace cannot be written: {error}")))?;
-        }
+        let written = seen.trace.map_or(Ok(()), TraceFile::finish);
         Ok(Outcome {
             case: Some(number),
             id: case.id.clone(),
+            trace_error: written.err().map(|error| format!("cannot be written: {error}")),
+            program: Some(hash.to_string()),
             instructions: Some(runner.simulation().executed()),
             seed: Some(seed),
             config: Some(prepared.hash.clone()),
             wall_s: Some(began.elapsed().as_secs_f64()),
             ..Outcome::of(&end, &seen.measures, &machine)
         })
+    }
+
+    /// By what the result of a line's case will be known.
+    pub(crate) fn identify(&mut self, number: u64, line: &str) -> Identity {
+        let case = Case::parse(line).ok();
+        let defaults = self.defaults.clone();
+        let program = case.as_ref().and_then(|case| self.text(case).ok());
+        let known = case.as_ref().and_then(|case| self.machine(case, &defaults).ok());
+        let config = known.map(|known| known.prepared.hash.clone());
+        Identity {
+            version: VERSION,
+            seed: case.as_ref().map(|case| self.seed(number, case)),
+            program: program.map(|text| text_hash(&text)),
+            config,
+            id: case.and_then(|case| case.id),
+        }
+    }
+
+    fn seed(&self, number: u64, case: &Case) -> u64 {
+        let seed = || self.defaults.seed.wrapping_add(number);
+        case.seed.unwrap_or_else(seed)
+    }
+
+    /// The text of a case's program.
+    fn text(&mut self, case: &Case) -> Result<Arc<str>, Invalid> {
+        let defaults = self.defaults.clone();
+        match (&case.text, case.program.as_ref().or(defaults.program.as_ref())) {
+            (Some(text), _) => Ok(Arc::from(text.as_str())),
+            (None, Some(file)) => self.file(file),
+            (None, None) => Err(Invalid(
+                "expected a program, as file (program) or text (text)".to_owned(),
+            )),
+        }
     }
 
     /// The text of a file, read once.
@@ -280,9 +326,9 @@ impl Worker {
 }
 
 impl Known {
-    fn program(&mut self, text: &Arc<str>) -> Result<Program, Invalid> {
-        if let Some(program) = self.programs.get(text) {
-            return Ok(program.clone());
+    fn program(&mut self, text: &Arc<str>) -> Result<Checked, Invalid> {
+        if let Some(checked) = self.programs.get(text) {
+            return Ok(checked.clone());
         }
         let names = ImageNames(&self.prepared.image);
         let checked = Program::parse(text).and_then(|mut program| program.check(&names).map(|()| program));
@@ -290,8 +336,10 @@ impl Known {
         if self.programs.len() == KEPT {
             self.programs.clear();
         }
-        self.programs.insert(text.clone(), program.clone());
-        Ok(program)
+        let hash = Arc::from(text_hash(text));
+        let checked = Checked { program, hash };
+        self.programs.insert(text.clone(), checked.clone());
+        Ok(checked)
     }
 }
 

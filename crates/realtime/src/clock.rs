@@ -40,6 +40,8 @@ pub struct Steps {
     pub ticks: u32,
     /// Called before the first tick and after each one: true ends the steps.
     pub until: Option<Box<dyn FnMut() -> bool + Send>>,
+    /// True ends the steps at the present tick: the client has gone.
+    pub abandoned: Arc<AtomicBool>,
     /// Called with the number of executed ticks. Dropped without a call if the thread ends.
     pub done: Box<dyn FnOnce(u32) + Send>,
 }
@@ -112,7 +114,7 @@ pub(crate) fn run(mut controller: Controller, mut rings: Rings, stepper: &Steppe
                 continue;
             };
             let is_true = wanted.until.as_mut().is_some_and(|until| until());
-            if is_true || *passed >= wanted.ticks {
+            if is_true || *passed >= wanted.ticks || wanted.abandoned.load(Ordering::Acquire) {
                 if let Some((wanted, passed)) = steps.take() {
                     (wanted.done)(passed);
                 }

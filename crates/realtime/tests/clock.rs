@@ -1,6 +1,7 @@
 //! The step clock and the fast one, on their threads.
 
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use arcline_controller::{Command, Ticket, UNNAMED};
@@ -35,6 +36,7 @@ fn step(link: &ServerRings, ticks: u32, until: Option<Box<dyn FnMut() -> bool + 
     stepper.step(Steps {
         ticks,
         until,
+        abandoned: Arc::default(),
         done: Box::new(move |ticks| done.send(ticks).expect("the test waits")),
     });
     passed.recv_timeout(DEADLINE).expect("the steps end")
@@ -70,6 +72,28 @@ fn commands_are_executed_at_the_open_tick_and_no_tick_passes_unasked() {
     let (mut numbers, width) = (0, samples.width());
     samples.take(|rows| numbers += rows.len());
     assert_eq!(numbers, 35 * width);
+    handle.stop();
+}
+
+#[test]
+fn abandoned_steps_end_at_the_present_tick() {
+    let (link, handle, _) = started(Clock::Step);
+    let stepper = link.stepper.as_ref().expect("the machine is on the step clock");
+    let abandoned = Arc::new(AtomicBool::new(false));
+    let (done, passed) = mpsc::channel();
+    stepper.step(Steps {
+        ticks: u32::MAX,
+        until: None,
+        abandoned: abandoned.clone(),
+        done: Box::new(move |ticks| done.send(ticks).expect("the test waits")),
+    });
+    wait("ticks pass", || link.meter.health().ticks > 0);
+    abandoned.store(true, Ordering::Release);
+    let passed = passed.recv_timeout(DEADLINE).expect("the steps end");
+    assert_eq!(link.meter.health().ticks, u64::from(passed));
+    // And others step.
+    assert_eq!(step(&link, 5, None), 5);
+    assert_eq!(link.meter.health().ticks, u64::from(passed) + 5);
     handle.stop();
 }
 

@@ -85,6 +85,11 @@ impl Files {
         &self.chain.prev
     }
 
+    /// The number of the newest line.
+    pub(super) fn newest(&self) -> u64 {
+        self.chain.next - 1
+    }
+
     /// Appends a line.
     pub(super) fn append(&mut self, event: &Event, count: u64) -> io::Result<()> {
         if self.length >= self.longest {

@@ -15,7 +15,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 
-use arc_swap::ArcSwap;
 use serde::Serialize;
 use tokio::time::Instant;
 use tracing::{error, info, warn};
@@ -106,7 +105,8 @@ struct Shared {
     /// `None` ends the thread.
     sender: SyncSender<Option<Event>>,
     lost: Arc<Lost>,
-    head: Arc<ArcSwap<String>>,
+    /// The number of the newest line whose hash the log has.
+    told: Arc<AtomicU64>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -136,15 +136,16 @@ impl Audit {
         let (sender, events) = sync_channel(WAITING);
         let lost = Arc::new(Lost::default());
         let counted = lost.clone();
-        let head = Arc::new(ArcSwap::from_pointee(files.head().to_owned()));
-        let told = head.clone();
+        let told = Arc::new(AtomicU64::new(0));
+        tell_head(&files, &told);
+        let newest = told.clone();
         let thread = std::thread::Builder::new()
             .name("arcline-audit".to_owned())
-            .spawn(move || drop(write(files, &events, &counted, &told)))?;
+            .spawn(move || drop(write(files, &events, &counted, &newest)))?;
         Ok(Self(Arc::new(Shared {
             sender,
             lost,
-            head,
+            told,
             thread: Mutex::new(Some(thread)),
         })))
     }
@@ -155,7 +156,7 @@ impl Audit {
         let audit = Self(Arc::new(Shared {
             sender,
             lost: Arc::default(),
-            head: Arc::default(),
+            told: Arc::default(),
             thread: Mutex::default(),
         }));
         (audit, events)
@@ -173,9 +174,9 @@ impl Audit {
         self.0.lost.total.load(Ordering::Relaxed)
     }
 
-    /// The hash of the newest line as the log has it: that of the last minute, before that of the first line of this run.
-    pub(crate) fn told_head(&self) -> String {
-        self.0.head.load().as_ref().clone()
+    /// The number of the newest line whose hash the log has: that of the last minute, before that of the first line of this run.
+    pub(crate) fn told_line(&self) -> u64 {
+        self.0.told.load(Ordering::Relaxed)
     }
 
     /// Writes the waiting events, and ends.
@@ -208,7 +209,7 @@ fn wait(merge: &Merge, files: &Files, head_told: Instant) -> Duration {
 }
 
 /// Runs on the thread: writes until the last sender has gone.
-fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: &ArcSwap<String>) -> Files {
+fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, told: &AtomicU64) -> Files {
     let mut merge = Merge::default();
     let mut head_told = Instant::now();
     let mut is_failing = false;
@@ -249,14 +250,20 @@ fn write(mut files: Files, events: &Receiver<Option<Event>>, lost: &Lost, head: 
             files.sync_at(Instant::now());
         }
         if head_told.elapsed() >= HEAD_EVERY || is_over {
-            info!(head = files.head(), "the newest line of the audit");
-            head.store(Arc::new(files.head().to_owned()));
+            tell_head(&files, told);
             head_told = Instant::now();
         }
         if is_over {
             return files;
         }
     }
+}
+
+/// Logs the hash of the newest line.
+fn tell_head(files: &Files, told: &AtomicU64) {
+    let line = files.newest();
+    info!(line, head = files.head(), "the newest line of the audit");
+    told.store(line, Ordering::Relaxed);
 }
 
 fn lost_event(missed: u64) -> Event {

@@ -220,6 +220,6 @@ fn lines_are_synchronised_without_further_lines() {
     for event in [Some(event(2, false)), None] {
         sender.send(event).expect("there is room");
     }
-    let files = write(files, &events, &Lost::default(), &ArcSwap::default());
+    let files = write(files, &events, &Lost::default(), &AtomicU64::default());
     assert!(!files.is_dirty(), "at the end");
 }

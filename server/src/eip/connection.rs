@@ -16,7 +16,7 @@ use arcline_proto::cip::{CipStatus, Reply, Request};
 use arcline_proto::session::{CloseReason, Event, ServerSession, Transport};
 use arcline_state::planted::is_planted;
 use bytes::{Bytes, BytesMut};
-use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, Interest};
 use tokio::net::TcpStream;
 use tokio::sync::watch;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
@@ -261,6 +261,8 @@ pub(crate) trait Socket {
     fn far_end(&self) -> Option<SocketAddr>;
     /// Another descriptor of the same socket, if it is one of the system's.
     fn duplicate(&self) -> Option<OwnedFd>;
+    /// Waits until the far end sends nothing more, and leaves the bytes that have come; for ever where the socket is none of the system's.
+    fn ended(&self) -> impl Future<Output = ()> + Send;
 }
 
 impl Socket for TlsStream<TcpStream> {
@@ -270,6 +272,10 @@ impl Socket for TlsStream<TcpStream> {
 
     fn duplicate(&self) -> Option<OwnedFd> {
         self.get_ref().0.duplicate()
+    }
+
+    fn ended(&self) -> impl Future<Output = ()> + Send {
+        self.get_ref().0.ended()
     }
 }
 
@@ -284,6 +290,15 @@ impl Socket for TcpStream {
             .inspect_err(|error| warn!(%error, "the socket of a jogging client is not watched"))
             .ok()
     }
+
+    async fn ended(&self) {
+        // This interest alone is not ready when there are bytes to read.
+        while let Ok(ready) = self.ready(Interest::PRIORITY).await {
+            if ready.is_read_closed() {
+                return;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -294,6 +309,10 @@ impl Socket for tokio::io::DuplexStream {
 
     fn duplicate(&self) -> Option<OwnedFd> {
         None
+    }
+
+    fn ended(&self) -> impl Future<Output = ()> + Send {
+        std::future::pending()
     }
 }
 
@@ -460,6 +479,14 @@ impl<S: AsyncRead + AsyncWrite + Unpin + Socket> Connection<S> {
         Ok(match reply {
             Poll::Ready(reply) => reply,
             Poll::Pending => {
+                if self.host.device.plant.is_stepped() {
+                    // Requests of a client that has ended its side are answered, but no more ticks pass for it.
+                    tokio::select! {
+                        biased;
+                        reply = handled.as_mut() => return Ok(reply),
+                        () = self.stream.ended() => self.signs.leave(),
+                    }
+                }
                 let reply = handled.await;
                 self.now = self.epoch.elapsed();
                 reply

@@ -127,6 +127,10 @@ impl Socket for Remote {
     fn duplicate(&self) -> Option<OwnedFd> {
         None
     }
+
+    fn ended(&self) -> impl Future<Output = ()> + Send {
+        std::future::pending()
+    }
 }
 
 impl AsyncRead for Remote {

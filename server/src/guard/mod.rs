@@ -87,6 +87,8 @@ struct SignsOfLife {
     silence: u64,
     /// The guard wants to watch the client's socket.
     wanted: AtomicBool,
+    /// Cancelled when the client has gone.
+    left: CancellationToken,
 }
 
 impl Signs {
@@ -103,6 +105,11 @@ impl Signs {
     /// Whether the guard wants to watch the socket; a call clears the wish.
     pub(crate) fn is_wanted(&self) -> bool {
         self.0.wanted.load(Ordering::Relaxed) && self.0.wanted.swap(false, Ordering::AcqRel)
+    }
+
+    /// The client has gone, also where its last request still runs: no ticks pass for it any more.
+    pub(crate) fn leave(&self) {
+        self.0.left.cancel();
     }
 
     /// Jogs that began before this moment are those of a silent client.
@@ -170,6 +177,7 @@ impl Guard {
             broken: AtomicU64::new(0),
             silence: self.0.silence.map_or(u64::MAX, micros),
             wanted: AtomicBool::new(false),
+            left: CancellationToken::new(),
         }));
         self.table().identify(session, |known| *known = identity);
         let client = Client {
@@ -184,10 +192,19 @@ impl Guard {
     /// A client has gone; its jogs have been ended or released before.
     pub(crate) fn leave(&self, session: u64) {
         let client = self.clients().remove(&session);
-        if let Some(watched) = client.and_then(|client| client.watched) {
-            watched.cancel();
+        if let Some(client) = client {
+            client.signs.leave();
+            if let Some(watched) = client.watched {
+                watched.cancel();
+            }
         }
         self.table().leave(session);
+    }
+
+    /// Is cancelled when a client has gone; `None`: it was never here, or has gone in order.
+    pub(crate) fn left(&self, session: u64) -> Option<CancellationToken> {
+        let clients = self.clients();
+        clients.get(&session).map(|client| client.signs.0.left.clone())
     }
 
     /// Clients that are here: of EtherNet/IP, and viewers of the page.

@@ -57,13 +57,13 @@ pub(crate) fn metrics(plant: &Plant) -> String {
             lost as f64,
         );
     }
-    if let Some(head) = plant.audit_head() {
-        text.family(
-            "arcline_audit_head",
+    if let Some(line) = plant.audit_line() {
+        text.single(
+            "arcline_audit_line",
             "gauge",
-            "The hash of the newest line of the audit that the log has, 1; it changes once a minute.",
+            "The number of the newest line of the audit whose hash the log has; it grows once a minute.",
+            line as f64,
         );
-        text.value(&[("sha256", &head)], 1.0);
     }
     if let Some(ends) = plant.certificate_end() {
         text.single(

@@ -51,8 +51,8 @@ pub struct Pending {
     answers: Vec<(Ticket, oneshot::Receiver<()>)>,
     /// Is ready when the file of the retained state has all writes; `None`: no write belongs to the retained state.
     persisted: Option<PersistedReceiver>,
-    /// The ticks that are to pass behind them, in their order.
-    steps: Vec<(u32, Option<TagPath>)>,
+    /// The ticks that are to pass behind them for a principal, in their order.
+    steps: Vec<(Principal, u32, Option<TagPath>)>,
 }
 
 impl Plant {
@@ -156,8 +156,8 @@ impl Plant {
         } else if !tickets.is_empty() {
             results = self.0.lock().send_results();
         }
-        for (ticks, until) in steps {
-            self.step(ticks, until).await;
+        for (principal, ticks, until) in steps {
+            self.step_for(principal, ticks, until).await;
         }
         for persisted in persisted.into_iter().chain(results) {
             if !matches!(tokio::time::timeout(ANSWER_WITHIN, persisted).await, Ok(Ok(Ok(())))) {
@@ -370,12 +370,12 @@ impl Transaction<'_> {
                 if let Some(path) = &until {
                     self.state.image().read(path).map_err(WriteError::from)?;
                 }
-                self.pending.steps.push((ticks, until));
+                self.pending.steps.push((self.principal, ticks, until));
                 None
             }
         };
         if let Some(WriteEffect::Steps(ticks)) = effect {
-            self.pending.steps.push((ticks, None));
+            self.pending.steps.push((self.principal, ticks, None));
         }
         self.effects.extend(effect);
         Ok(Outcome::Done)

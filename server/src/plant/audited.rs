@@ -53,9 +53,9 @@ impl Plant {
         }
     }
 
-    /// The hash of the newest line of the audit that the log has; `None`: there is no audit.
-    pub(crate) fn audit_head(&self) -> Option<String> {
-        self.0.audit.get().map(Audit::told_head)
+    /// The number of the newest line of the audit whose hash the log has; `None`: there is no audit.
+    pub(crate) fn audit_line(&self) -> Option<u64> {
+        self.0.audit.get().map(Audit::told_line)
     }
 
     /// Records an event of a session of the page; `from` is its address and its user.

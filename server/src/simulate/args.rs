@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use arcline_cases::LARGEST;
 use arcline_structured_text::{OnError, Policy, QueueFull};
 use arcline_tag::WriteValue;
 use clap::{Args, ValueEnum};
@@ -88,10 +89,10 @@ pub(crate) struct BatchArgs {
     #[arg(long, requires = "output")]
     pub(crate) resume: bool,
     /// Number of the first case of the file, when it is a part of a larger one: numbers and seeds are those of the whole.
-    #[arg(long, value_name = "CASE", default_value = "0", requires = "cases")]
+    #[arg(long, value_name = "CASE", default_value = "0", requires = "cases", value_parser = clap::value_parser!(u64).range(..=LARGEST))]
     pub(crate) first: u64,
     /// The first case that is run, counted from 0.
-    #[arg(long, value_name = "CASE", default_value = "0", requires = "cases")]
+    #[arg(long, value_name = "CASE", default_value = "0", requires = "cases", value_parser = clap::value_parser!(u64).range(..=LARGEST))]
     pub(crate) from: u64,
     /// The case behind the last.
     #[arg(long, value_name = "CASE", requires = "cases")]

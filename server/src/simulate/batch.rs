@@ -1,19 +1,22 @@
 //! `simulate --cases`: many runs in one process (docs/BATCHES.md).
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufRead, BufReader, Seek as _, SeekFrom, Write};
 use std::num::NonZeroUsize;
+use std::os::fd::AsFd as _;
+use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use arcline_cases::{Batch, BatchError, Defaults, Done, finished};
+use arcline_cases::{Batch, BatchError, Defaults, Done, INVALID, finished};
 
 use super::output::is_standard_output;
 use super::{SimulateArgs, cannot_write, is_l5x};
 use crate::cli::{Failure, WRONG};
 
-/// Runs the cases of a file. The exit code is 0 when every case was run, however it ended, and 2 when one could not be.
+/// Runs the cases of a file. The exit code is 0 when every case was run, however it ended, 2 when one could not be, and 1 when a result or a trace could
+/// not be written. The results of a batch that is continued count too.
 pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure> {
     if is_l5x(args.program()) {
         return Err(Failure::usage("--cases runs Structured Text, and no projects (.L5X)"));
@@ -42,6 +45,7 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
         to: args.batch.to,
         jobs: args.batch.jobs.map_or_else(processors, usize::from),
         over: Arc::default(),
+        behind: None,
     };
     let cannot_read = |error: io::Error| Failure::usage(format!("{}: cannot be read: {error}", cases.display()));
     let input: Box<dyn BufRead + Send> = if is_standard_output(cases) {
@@ -49,6 +53,9 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
     } else {
         Box::new(BufReader::new(File::open(cases).map_err(cannot_read)?))
     };
+    if let Some(output) = &args.batch.output {
+        check_output(args, cases, output)?;
+    }
     let output: Box<dyn Write + Send> = match &args.batch.output {
         None => Box::new(io::stdout()),
         Some(path) if args.batch.resume => Box::new(resumed(path, &mut batch)?),
@@ -56,25 +63,70 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
     };
     let shown = cases.display();
     let done = batch.run(input, output, &mut |outcome| {
-        if outcome.end == "invalid" {
+        if outcome.end == INVALID {
             let why = outcome.error.as_deref().unwrap_or_default();
             eprintln!("{shown}: {why}");
         }
+        if let (Some(why), Some(case)) = (&outcome.trace_error, outcome.case) {
+            eprintln!("{shown}: the trace of case {case} {why}");
+        }
         true
     });
-    match done {
-        Ok(Done { invalid: 0, .. }) => Ok(ExitCode::SUCCESS),
-        Ok(Done { results, invalid }) => Err(Failure::new(
-            WRONG,
-            format!("{shown}: {invalid} of {results} cases could not be run"),
-        )),
-        Err(error @ BatchError::Read(_)) => Err(Failure::usage(format!("{shown}: {error}"))),
-        Err(error) => Err(Failure::new(1, error.to_string())),
+    let before = batch.behind.map(|behind| behind.done).unwrap_or_default();
+    let done = done.map_err(|error| match (&error, &args.batch.output) {
+        (BatchError::Write(_), _) => Failure::new(1, error.to_string()),
+        (BatchError::Other(_), Some(output)) => Failure::usage(format!("{}: {error}", output.display())),
+        _ => Failure::usage(format!("{shown}: {error}")),
+    })?;
+    let Done {
+        results,
+        invalid,
+        untraced,
+    } = before + done;
+    if invalid > 0 {
+        let text = format!("{shown}: {invalid} of {results} cases could not be run");
+        return Err(Failure::new(WRONG, text));
     }
+    if untraced > 0 {
+        let text = format!("{shown}: {untraced} of {results} traces could not be written");
+        return Err(Failure::new(1, text));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Checks that the file of the results is none of those that the batch reads.
+fn check_output(args: &SimulateArgs, cases: &Path, output: &Path) -> Result<(), Failure> {
+    let identity = |file: Metadata| (file.dev(), file.ino());
+    // A new file is none of them, and a device loses nothing.
+    let Some(results) = output.metadata().ok().filter(Metadata::is_file) else {
+        return Ok(());
+    };
+    let results = identity(results);
+    let standard_input = || File::from(io::stdin().as_fd().try_clone_to_owned()?).metadata();
+    let inputs = [
+        ("cases", Some(cases)),
+        ("program", args.program.as_deref()),
+        ("configuration", args.config.as_deref()),
+    ];
+    for (what, path) in inputs {
+        let Some(path) = path else { continue };
+        let input = if is_standard_output(path) {
+            standard_input()
+        } else {
+            path.metadata()
+        };
+        if input.is_ok_and(|input| identity(input) == results) {
+            let (output, shown) = (output.display(), path.display());
+            return Err(Failure::usage(format!(
+                "--output {output}: this is the file of the {what} ({shown}), expected another one"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The file of results, behind those that it has.
-fn resumed(path: &Path, batch: &mut Batch) -> Result<File, Failure> {
+fn resumed(path: &Path, batch: &mut Batch) -> Result<Behind, Failure> {
     let cannot = |error: io::Error| cannot_write(path, &error);
     let open = OpenOptions::new()
         .read(true)
@@ -82,13 +134,35 @@ fn resumed(path: &Path, batch: &mut Batch) -> Result<File, Failure> {
         .create(true)
         .truncate(false)
         .open(path);
-    let mut file = open.map_err(cannot)?;
-    let (count, bytes) = finished(BufReader::new(&file), batch.from)
-        .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
-    file.set_len(bytes).map_err(cannot)?;
-    file.seek(SeekFrom::End(0)).map_err(cannot)?;
-    batch.from += count;
-    Ok(file)
+    let file = open.map_err(cannot)?;
+    let behind = finished(BufReader::new(&file), batch.from).map_err(cannot)?;
+    let behind = behind.map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
+    let end = behind.bytes;
+    batch.from += behind.done.results;
+    batch.behind = Some(behind);
+    Ok(Behind { file, end: Some(end) })
+}
+
+/// A file that is written behind its whole lines, and stays as it is until then.
+struct Behind {
+    file: File,
+    /// The end of these lines, before the first write.
+    end: Option<u64>,
+}
+
+impl Write for Behind {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(end) = self.end {
+            self.file.set_len(end)?;
+            self.file.seek(SeekFrom::Start(end))?;
+            self.end = None;
+        }
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
 }
 
 fn processors() -> usize {

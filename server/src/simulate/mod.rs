@@ -51,6 +51,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
     } else {
         Pieces::whole(args.program())?
     };
+    let program = pieces.hash().filter(|_| args.json);
     let first = pieces
         .next(&prepared.image)?
         .map_or_else(Interpreter::empty, |piece| piece.interpreter);
@@ -91,6 +92,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Result<ExitCode, Failure> {
         let outcome = Outcome {
             instructions: Some(simulation.executed()),
             seed: Some(args.seed.unwrap_or_default()),
+            program,
             config: Some(prepared.hash.clone()),
             wall_s: Some(began.elapsed().as_secs_f64()),
             ..Outcome::of(&end, &measures, &machine)

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 
+use arcline_cases::text_hash;
 use arcline_controller::image::Image;
 use arcline_simulation::{ImageNames, Piece};
 use arcline_structured_text::{Interpreter, Program, SyntaxError};
@@ -54,6 +55,14 @@ impl Pieces {
             file: file.to_owned(),
             rest,
             lines: 0,
+        }
+    }
+
+    /// By what a program is known that is one piece, as long as it has not been taken.
+    pub(super) fn hash(&self) -> Option<String> {
+        match &self.rest {
+            Rest::Whole(text) => Some(text_hash(text)),
+            Rest::Lines(_) | Rest::Ended => None,
         }
     }
 

@@ -80,7 +80,11 @@ pub fn simulated_on(config: Option<&Path>, file: &Path) -> Simulated {
 }
 
 /// The greatest VmHWM of a process and of those that it has started, added, until it ends.
-fn peak_of(process: &mut Child) -> u64 {
+///
+/// # Panics
+/// When it is no child of this process.
+#[must_use]
+pub fn peak_of(process: &mut Child) -> u64 {
     let (mut own, mut started) = (0, 0);
     while process.try_wait().expect("it is ours").is_none() {
         own = high_water(process.id()).max(own);

@@ -4,6 +4,7 @@ mod allow;
 mod attributes;
 mod audited;
 mod browse;
+mod clock;
 mod costs;
 mod counts;
 mod hostile;

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::Instant;
 
+use arcline_system_tests::gcode::peak_of;
 use arcline_system_tests::programs;
 use serde_json::Value;
 
@@ -101,13 +102,146 @@ fn a_batch_that_was_ended_goes_on() {
 }
 
 #[test]
+fn the_results_do_not_replace_the_files_that_they_come_from() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("cases.jsonl"), "{}\n{}\n").expect("writable");
+    fs::write(at.join("machine.toml"), arcline_config::DEFAULT).expect("writable");
+    std::os::unix::fs::symlink("cases.jsonl", at.join("link")).expect("writable");
+    fs::hard_link(at.join("part.st"), at.join("also.st")).expect("writable");
+    let before = |name: &str| fs::read(at.join(name)).expect("readable");
+    let files = ["cases.jsonl", "part.st", "machine.toml"].map(|name| (name, before(name)));
+    for output in [
+        "cases.jsonl",
+        "./cases.jsonl",
+        "link",
+        "part.st",
+        "also.st",
+        "machine.toml",
+    ] {
+        for resume in [&[][..], &["--resume"]] {
+            let arguments = [
+                "part.st",
+                "--config",
+                "machine.toml",
+                "--cases",
+                "cases.jsonl",
+                "--output",
+                output,
+            ];
+            let ran = simulate(at, &[&arguments[..], resume].concat());
+            let told = String::from_utf8_lossy(&ran.stderr);
+            assert!(
+                ran.status.code() == Some(2) && told.contains("this is the file of the"),
+                "{output} {resume:?}: {told}"
+            );
+        }
+    }
+    let mut command = Command::new(programs::arcline_server());
+    command
+        .args(["simulate", "part.st", "--cases", "-", "--output", "cases.jsonl"])
+        .current_dir(at);
+    let cases = fs::File::open(at.join("cases.jsonl")).expect("readable");
+    let ran = command.stdin(cases).output().expect("the server was just built");
+    assert_eq!(ran.status.code(), Some(2), "{ran:?}");
+    for (name, content) in files {
+        assert!(before(name) == content, "{name} has changed");
+    }
+    // A device loses nothing.
+    let ran = simulate(at, &["--cases", "/dev/null", "--output", "/dev/null"]);
+    assert!(ran.status.success(), "{ran:?}");
+}
+
+#[test]
+fn a_resumed_batch_is_the_same_batch_with_the_same_exit_code() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(at.join("p2.st"), "DELAY(0.1);\n").expect("writable");
+    fs::write(at.join("cases.jsonl"), "{}\n{}\n{}\n").expect("writable");
+    let run = |program: &str, more: &[&str]| {
+        let arguments = [program, "--cases", "cases.jsonl", "--output", "out.jsonl", "--resume"];
+        simulate(at, &[&arguments[..], more].concat())
+    };
+    assert!(run("part.st", &["--to", "2"]).status.success());
+    let torn = [
+        &fs::read(at.join("out.jsonl")).expect("results")[..],
+        b"{\"case\":2,\"end\":",
+    ]
+    .concat();
+    fs::write(at.join("out.jsonl"), &torn).expect("writable");
+    for (why, program, more, expected) in [
+        ("another program", "p2.st", &[][..], "program"),
+        ("another seed", "part.st", &["--seed", "99"], "seed 1, expected 100"),
+        (
+            "another machine",
+            "part.st",
+            &["--set", "axis.X.max_speed=50"],
+            "config",
+        ),
+    ] {
+        let ran = run(program, more);
+        let told = String::from_utf8_lossy(&ran.stderr);
+        assert!(
+            ran.status.code() == Some(2)
+                && told.contains("out.jsonl: the results are of another batch")
+                && told.contains(expected),
+            "{why}: {told}"
+        );
+        assert!(
+            fs::read(at.join("out.jsonl")).expect("results") == torn,
+            "{why}: it has changed"
+        );
+    }
+    assert!(run("part.st", &[]).status.success());
+    assert_eq!(results(&fs::read(at.join("out.jsonl")).expect("results")).len(), 3);
+    // A case that was not run is one at the next start too.
+    fs::write(at.join("cases.jsonl"), "{}\n{\"nothing\":1}\n{}\n").expect("writable");
+    fs::remove_file(at.join("out.jsonl")).expect("it is there");
+    for (count, more) in [(2, &["--to", "2"][..]), (3, &[]), (3, &[])] {
+        let ran = run("part.st", more);
+        let told = String::from_utf8_lossy(&ran.stderr);
+        assert!(
+            ran.status.code() == Some(2) && told.contains(&format!("1 of {count} cases could not be run")),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn a_trace_that_is_lost_is_told_and_its_case_was_run() {
+    let folder = folder();
+    let at = folder.path();
+    fs::write(
+        at.join("cases.jsonl"),
+        "{}\n{\"trace\":\"/dev/full\"}\n{\"trace\":\"-\"}\n",
+    )
+    .expect("writable");
+    let ran = simulate(at, &["part.st", "--cases", "cases.jsonl", "--to", "2"]);
+    let told = String::from_utf8_lossy(&ran.stderr);
+    assert!(
+        ran.status.code() == Some(1) && told.contains("the trace of case 1 cannot be written"),
+        "{told}"
+    );
+    let both = results(&ran.stdout);
+    assert!(
+        both[1]["trace_error"].is_string() && both[0]["hash"] == both[1]["hash"],
+        "{both:?}"
+    );
+    // Standard output has results alone.
+    let ran = simulate(at, &["part.st", "--cases", "cases.jsonl", "--from", "2"]);
+    assert_eq!(results(&ran.stdout)[0]["end"], "invalid");
+    assert_eq!(ran.status.code(), Some(2));
+}
+
+#[test]
 fn options_that_exclude_each_other_are_refused() {
     let folder = folder();
     #[rustfmt::skip]
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 7] = [
         (&[],                                                          "required"),
         (&["part.st", "--cases", "no.jsonl"],                          "no.jsonl: cannot be read"),
         (&["part.st", "--cases", "part.st", "--trace", "a.csv"],       "{case}"),
+        (&["part.st", "--cases", "part.st", "--first", "18446744073709551614"], "9007199254740992"),
         (&["part.st", "--set", "axis.X.max_sped=5"],                   "max_sped"),
         (&["part.st", "--set", "Move1.Speed"],                         "expected KEY=VALUE"),
         (&["part.st", "--json", "--trace", "-"],                       "standard output"),
@@ -120,6 +254,41 @@ fn options_that_exclude_each_other_are_refused() {
             "{arguments:?}: {told}"
         );
     }
+}
+
+/// A process has as much memory for 20,000 cases as for 1,000, also with more machines and programs than it keeps.
+#[test]
+fn memory_does_not_grow_with_the_number_of_cases() {
+    let folder = folder();
+    let at = folder.path();
+    let peak = |count: usize| {
+        let case = |number: usize| {
+            let (speed, text) = (number / 10 + 1, number % 3_000);
+            format!("{{\"set\":{{\"axis.X.max_speed\":{speed}.0}},\"text\":\"DELAY(0.{text:04});\"}}\n")
+        };
+        fs::write(at.join("cases.jsonl"), (0..count).map(case).collect::<String>()).expect("writable");
+        let mut command = Command::new(programs::arcline_server());
+        command.args([
+            "simulate",
+            "--cases",
+            "cases.jsonl",
+            "--output",
+            "out.jsonl",
+            "--until",
+            "0.01",
+            "--jobs",
+            "2",
+        ]);
+        let mut child = command.current_dir(at).spawn().expect("the server was just built");
+        let peak = peak_of(&mut child);
+        assert!(child.wait().expect("it is ours").success());
+        let lines = fs::read(at.join("out.jsonl")).expect("results");
+        assert_eq!(lines.iter().filter(|byte| **byte == b'\n').count(), count);
+        peak
+    };
+    let (few, many) = (peak(1_000), peak(20_000));
+    println!("{few} bytes for 1,000 cases, {many} for 20,000");
+    assert!(many < few + few / 4, "{few} bytes for 1,000 cases, {many} for 20,000");
 }
 
 /// The goal is 1,667 runs of two seconds a second on two processors; the floor of the release build leaves room for a machine that is busy with something
