@@ -383,17 +383,9 @@ fn reload_program(plant: &Plant, live: &live::Live) {
 /// Refuses to listen beyond this computer without `[security]`, unless the user allows it; then a banner names the risk.
 fn check_open(server: &ServerConfig, hmi: Option<HmiAt>, args: &RunArgs) -> Result<(), Failure> {
     let page = hmi.map(|(HmiAt::Chosen(address) | HmiAt::Default(address))| address);
-    let eip = [server.listen].into_iter().chain(server.listen_also.iter().copied());
-    let listeners = eip.chain(page).chain(server.io.address(server.listen));
-    let Some(open) = listeners
-        .into_iter()
-        .find(|address| !address.ip().to_canonical().is_loopback())
-    else {
+    let Some(open) = open_without_security(server, page) else {
         return Ok(());
     };
-    if server.security.is_given {
-        return Ok(());
-    }
     if !args.open_to_network {
         return Err(Failure::usage(format!(
             "{open} is reachable from other computers, and the configuration has no [security]; add that table (SECURITY.md), or say \
@@ -406,6 +398,16 @@ fn check_open(server: &ServerConfig, hmi: Option<HmiAt>, args: &RunArgs) -> Resu
          *** Clients on this computer have the role {loopback}, all others the role {remote}: see SECURITY.md.\n"
     );
     Ok(())
+}
+
+/// The first address that other computers reach, on a server without `[security]`.
+pub(crate) fn open_without_security(server: &ServerConfig, page: Option<SocketAddr>) -> Option<SocketAddr> {
+    if server.security.is_given {
+        return None;
+    }
+    let eip = [server.listen].into_iter().chain(server.listen_also.iter().copied());
+    let mut listeners = eip.chain(page).chain(server.io.address(server.listen));
+    listeners.find(|address| !address.ip().to_canonical().is_loopback())
 }
 
 /// Raises the limit of open files as far as the clients may need it and the system allows it: beyond the limit no newcomer gets in.

@@ -1,4 +1,5 @@
-//! `diff`: whether two traces are the same within a tolerance. Rows are compared by their place, columns by their names.
+//! `diff`: whether two traces are the same within a tolerance. Rows are compared by their place, columns by their names; of columns with equal names
+//! the first is compared with the first, the second with the second. Ticks and times have no tolerance.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Lines};
@@ -14,22 +15,26 @@ use super::{Failure, Output};
 pub(crate) fn diff(command: &Diff, output: &Output) -> Result<(), Failure> {
     let Diff { a, b, tolerance } = command;
     let (mut first, mut second) = (Rows::open(a)?, Rows::open(b)?);
-    let pairs: Vec<(usize, usize)> = (0..)
-        .zip(&first.titles)
-        .filter_map(|(place, title)| Some((place, second.titles.iter().position(|other| other == title)?)))
-        .collect();
-    let missing = |of: &Rows<'_>, there: &Rows<'_>| {
-        let missing = of.titles.iter().find(|title| !there.titles.contains(title));
-        missing.map(|title| {
+    let pairs = pairs(&first.titles, &second.titles);
+    let missing = |of: &Rows<'_>, there: &Rows<'_>, has: &dyn Fn(usize) -> bool| {
+        let missing = (0..).zip(&of.titles).find(|(place, _)| !has(*place));
+        missing.map(|(place, title)| {
+            let again = if of.titles[..place].contains(title) {
+                " once more"
+            } else {
+                ""
+            };
             format!(
-                "{} has no column {title}, which {} has",
+                "{} has no column {title}{again}, which {} has",
                 there.path.display(),
                 of.path.display()
             )
         })
     };
+    let what = missing(&first, &second, &|place| pairs.iter().any(|pair| pair.0 == place))
+        .or_else(|| missing(&second, &first, &|place| pairs.iter().any(|pair| pair.1 == place)));
     let mut found = Found {
-        what: missing(&first, &second).or_else(|| missing(&second, &first)),
+        what,
         ..Found::default()
     };
     loop {
@@ -54,13 +59,19 @@ pub(crate) fn diff(command: &Diff, output: &Output) -> Result<(), Failure> {
             let (Some(x), Some(y)) = (one.get(*place), other.get(*other_place)) else {
                 continue;
             };
+            let title = &first.titles[*place];
+            let tolerance = if EXACT.contains(&title.as_str()) {
+                0.0
+            } else {
+                *tolerance
+            };
             let differs = match (x.parse::<f64>(), y.parse::<f64>()) {
-                (Ok(x), Ok(y)) => found.number(x, y, *tolerance),
+                (Ok(x), Ok(y)) => found.number(x, y, tolerance),
                 _ => x != y,
             };
             if differs {
                 found.differences += 1;
-                let (line, title) = (found.rows + 1, &first.titles[*place]);
+                let line = found.rows + 1;
                 found
                     .what
                     .get_or_insert_with(|| format!("line {line}, {title}: {x} and {y}"));
@@ -87,6 +98,20 @@ pub(crate) fn diff(command: &Diff, output: &Output) -> Result<(), Failure> {
             greatest,
         }),
     }
+}
+
+/// Columns whose numbers are compared exactly: a row of another tick is another row.
+const EXACT: [&str; 2] = ["tick", "time_s"];
+
+/// The columns of two files that are compared with each other.
+fn pairs(first: &[String], second: &[String]) -> Vec<(usize, usize)> {
+    let mut pairs: Vec<(usize, usize)> = Vec::with_capacity(first.len());
+    for (place, title) in first.iter().enumerate() {
+        let is_free = |other: &usize| pairs.iter().all(|(_, taken)| taken != other);
+        let other = (0..second.len()).find(|other| second[*other] == *title && is_free(other));
+        pairs.extend(other.map(|other| (place, other)));
+    }
+    pairs
 }
 
 /// The result of a comparison.

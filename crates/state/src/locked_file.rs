@@ -1,5 +1,6 @@
 //! The name of a file, locked for one process: reading it, setting it aside, beginning to keep a state there.
 
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -33,6 +34,23 @@ impl LockedFile {
     pub fn lock(file: &Path) -> Result<LockedFile, OpenError> {
         let (disk, file) = System::with(file)?;
         LockedFile::lock_on(disk, file)
+    }
+
+    /// Checks that [`LockedFile::lock`] could take a file and read it, and changes nothing: it makes no lock file. Returns the file, that behind a link
+    /// for a link.
+    ///
+    /// # Errors
+    /// See [`OpenError`].
+    pub fn examine(file: &Path) -> Result<PathBuf, OpenError> {
+        let (disk, file) = System::with(file)?;
+        let lock = with_suffix(&file, ".lock");
+        if disk.exists(&lock) {
+            disk.lock(&lock)?;
+        }
+        match File::open(&file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error.into()),
+            _ => Ok(file),
+        }
     }
 }
 

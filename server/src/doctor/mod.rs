@@ -1,5 +1,6 @@
 //! `doctor`: examines the ports, rights and real-time settings of this computer, and reports each defect with its remedy (docs/DOCTOR.md).
 
+mod files;
 mod network;
 mod real_time;
 mod system;
@@ -7,7 +8,7 @@ mod system;
 mod tests;
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
@@ -27,12 +28,24 @@ pub(crate) struct DoctorArgs {
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Seconds for which ticks are measured.
-    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = crate::cli::seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "2", value_parser = measured)]
     measure: f64,
     /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
 }
+
+/// The value of --measure.
+fn measured(text: &str) -> Result<f64, String> {
+    let seconds = crate::cli::seconds(text)?;
+    if seconds > LONGEST {
+        return Err(format!("expected {LONGEST} seconds at most"));
+    }
+    Ok(seconds)
+}
+
+/// The longest measurement, s: a day.
+const LONGEST: f64 = 86_400.0;
 
 /// The result of a check, the better first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
@@ -106,7 +119,13 @@ fn findings(args: &DoctorArgs) -> Result<Vec<Finding>, Failure> {
     let mut findings = vec![Finding::ok("configuration", format!("{file}: {axes} axes, valid"))];
     findings.extend(network::ports(&project.server));
     findings.push(system::descriptors(project.server.max_clients));
-    findings.extend(args.state.as_deref().map(system::state));
+    let folder = args.config.as_deref().and_then(Path::parent);
+    let security = &project.server.security;
+    findings.extend(files::security(security, folder.unwrap_or(Path::new(""))));
+    if let Some(state) = &args.state {
+        findings.push(files::state(state));
+        findings.extend(security.is_given.then(|| files::audit(state)).flatten());
+    }
     let system = System::of_this_computer();
     findings.extend([
         system.processors(),

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use rustix::process::{Resource, getrlimit};
 
@@ -137,23 +137,5 @@ pub(super) fn descriptors(clients: usize) -> Finding {
         ),
         Some(most) => Finding::ok("open files", format!("{most} at most, {wanted} wanted")),
         None => Finding::ok("open files", "no limit"),
-    }
-}
-
-/// Checks that the server can write the file of the retained state.
-pub(super) fn state(file: &Path) -> Finding {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let folder = folder.unwrap_or(Path::new("."));
-    let probe = folder.join(format!(".arcline-doctor-{}", std::process::id()));
-    let written = fs::write(&probe, b"probe");
-    let _ = fs::remove_file(&probe);
-    match written {
-        Ok(()) => Finding::ok("state", format!("{} can be written", folder.display())),
-        Err(error) => Finding::new(
-            "state",
-            Grade::Failed,
-            format!("{}: {error}", folder.display()),
-            "Make the folder and give it to the user of the server: install -d -o arcline FOLDER; under systemd StateDirectory=arcline does it.",
-        ),
     }
 }

@@ -4,11 +4,13 @@ use std::fs;
 use std::net::TcpListener;
 use std::path::Path;
 
+use arcline_config::{IoListen, ServerConfig};
 use arcline_realtime::Report;
 
-use super::network::{Kind, port};
+use super::files::{audit, security, state};
+use super::network::{Kind, Ports, ports};
 use super::real_time::{lateness, memory, scheduling};
-use super::system::{System, state};
+use super::system::System;
 use super::{Finding, Grade, text};
 
 /// A system with these files.
@@ -67,15 +69,18 @@ fn settings_of_the_system_are_judged() {
 fn a_port_that_is_taken_is_told() {
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let at = taken.local_addr().expect("its address");
-    let finding = port("page", at, &[Kind::Tcp]);
+    let finding = Ports::default().open("page", at, &[Kind::Tcp]);
     assert!(
         finding.grade == Grade::Failed && finding.remedy.contains("ss -lntup"),
         "{finding:?}"
     );
     drop(taken);
-    assert_eq!(port("page", at, &[Kind::Tcp]).grade, Grade::Ok);
+    assert_eq!(Ports::default().open("page", at, &[Kind::Tcp]).grade, Grade::Ok);
     let elsewhere = "203.0.113.1:0".parse().expect("an address");
-    assert_eq!(port("page", elsewhere, &[Kind::Udp]).grade, Grade::Failed);
+    assert_eq!(
+        Ports::default().open("page", elsewhere, &[Kind::Udp]).grade,
+        Grade::Failed
+    );
 }
 
 #[test]
@@ -105,16 +110,112 @@ fn priority_and_locked_memory_are_judged() {
     }
 }
 
+/// The configuration of a server with these keys of `[security]`.
+fn configured(keys: &str) -> ServerConfig {
+    let text = format!("[server]\nlisten = \"127.0.0.1:0\"\nhmi = \"off\"\nio = \"off\"\n[security]\n{keys}\n");
+    arcline_config::load(&text, "test")
+        .expect("a valid configuration")
+        .server
+}
+
 #[test]
-fn a_folder_that_cannot_be_written_is_told() {
-    let folder = tempfile::tempdir().expect("a folder");
-    assert_eq!(state(&folder.path().join("state")).grade, Grade::Ok);
-    assert_eq!(
-        fs::read_dir(folder.path()).expect("readable").count(),
-        0,
-        "nothing stays"
+fn the_addresses_of_tls_are_opened_too_and_all_at_once() {
+    let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let at = taken.local_addr().expect("its address");
+    for (key, check) in [("tls", "EtherNet/IP over TLS"), ("hmi_tls", "page over TLS")] {
+        let server = configured(&format!("{key} = \"{at}\""));
+        let findings = ports(&server);
+        let failed: Vec<_> = findings.iter().filter(|finding| finding.grade != Grade::Ok).collect();
+        assert!(
+            matches!(failed[..], [one] if one.check == check && one.grade == Grade::Failed),
+            "{findings:?}"
+        );
+    }
+    // Both of one configuration.
+    drop(taken);
+    let server = configured(&format!("tls = \"{at}\"\nhmi_tls = \"{at}\""));
+    let findings = ports(&server);
+    let failed = findings.iter().find(|finding| finding.grade == Grade::Failed);
+    assert!(
+        failed.is_some_and(|failed| failed.remedy.contains("twice")),
+        "{findings:?}"
     );
+    // Without a table [security] the server needs a flag.
+    let mut open = ServerConfig {
+        listen: "0.0.0.0:0".parse().expect("an address"),
+        hmi: None,
+        io: IoListen::Off,
+        ..ServerConfig::default()
+    };
+    let network = |server: &ServerConfig| ports(server).into_iter().find(|finding| finding.check == "network");
+    assert!(network(&open).is_some_and(|finding| finding.grade == Grade::Warning));
+    open.security.is_given = true;
+    assert_eq!(network(&open), None);
+}
+
+#[test]
+fn missing_files_of_security_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let found = |keys: &str| security(&configured(keys).security, folder.path());
+    assert_eq!(found(""), []);
+    for (keys, check, file) in [
+        ("tls = \"127.0.0.1:0\"", "certificates", "server.key"),
+        ("hmi_tls = \"127.0.0.1:0\"", "certificates", "server.key"),
+        ("users = \"users.toml\"", "users", "users.toml"),
+    ] {
+        let findings = found(keys);
+        let is_found = matches!(&findings[..], [one]
+            if one.check == check && one.grade == Grade::Failed && one.found.contains(file) && one.remedy.contains("arcline-server"));
+        assert!(is_found, "{keys}: {findings:?}");
+    }
+}
+
+#[test]
+fn a_state_that_a_server_cannot_keep_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("state");
+    let names = || {
+        let entries = fs::read_dir(folder.path()).expect("readable");
+        let mut names: Vec<_> = entries.map(|entry| entry.expect("readable").file_name()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(state(&file).grade, Grade::Ok);
+    assert_eq!(names(), [] as [&str; 0], "nothing stays");
     assert_eq!(state(Path::new("/no/such/folder/state")).grade, Grade::Failed);
+    let remedy = |file: &Path, expected: &str| {
+        let finding = state(file);
+        assert!(
+            finding.grade == Grade::Failed && finding.remedy.contains(expected),
+            "{}: {finding:?}",
+            file.display()
+        );
+    };
+    remedy(folder.path(), "Name a file");
+    let locked = arcline_state::LockedFile::lock(&file).expect("it is free");
+    remedy(&file, "Stop that server");
+    drop(locked);
+    assert_eq!(state(&file).grade, Grade::Ok);
+    // The kernel's folder takes no files, not even of root.
+    remedy(Path::new("/proc/state"), "give it to the user");
+    // A link with the name of the probe is not followed.
+    let probe = folder.path().join(format!(".arcline-doctor-{}-0", std::process::id()));
+    let target = folder.path().join("target");
+    std::os::unix::fs::symlink(&target, &probe).expect("writable");
+    assert_eq!(state(&file).grade, Grade::Ok);
+    assert!(!target.exists() && probe.is_symlink());
+    // The folder of the audit.
+    assert_eq!(audit(&file), None, "the server makes it");
+    fs::write(folder.path().join("state.audit"), "").expect("writable");
+    assert!(audit(&file).is_some_and(|finding| finding.grade == Grade::Failed));
+}
+
+#[test]
+fn a_measurement_lasts_a_day_at_most() {
+    assert_eq!(super::measured("0.5"), Ok(0.5));
+    for text in ["1e300", "86401", "-1", "NaN"] {
+        assert!(super::measured(text).is_err(), "{text}");
+    }
 }
 
 #[test]

@@ -154,6 +154,14 @@ impl Tls {
         Ok(Arc::new(this))
     }
 
+    /// Checks that the files can be used.
+    ///
+    /// # Errors
+    /// See [`TrustError`].
+    pub(crate) fn check(security: &Security, base: &Path) -> Result<(), TrustError> {
+        Files::new(security, base).read().map(drop)
+    }
+
     /// Makes a TLS connection of a TCP connection of an EtherNet/IP client.
     ///
     /// # Errors

@@ -71,7 +71,7 @@ pub(crate) struct Diff {
     /// The other one
     #[arg(value_name = "B.csv")]
     pub(crate) b: PathBuf,
-    /// Greatest difference of two numbers that counts as none
+    /// Greatest difference of two numbers that counts as none; ticks and times have none
     #[arg(long, value_name = "NUMBER", default_value = "0", value_parser = tolerance)]
     pub(crate) tolerance: f64,
 }

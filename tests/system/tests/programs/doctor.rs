@@ -66,6 +66,18 @@ fn doctor_reports_findings_with_their_severity() {
             .as_str()
             .is_some_and(|found| !found.starts_with("0 ticks"))
     }));
+    // The files that the server reads beside its configuration.
+    let secured =
+        "[server]\nlisten = \"127.0.0.1:0\"\nhmi = \"off\"\nio = \"off\"\n[security]\ntls = \"127.0.0.1:0\"\n";
+    fs::write(&config, secured).expect("writable");
+    let state = folder.path().to_str().expect("UTF-8");
+    let output = server(&["doctor", "--config", file, "--measure", "0", "--state", state]);
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.code() == Some(2) && told.contains("server.key") && told.contains("it is not a file"),
+        "{told}"
+    );
+    assert_eq!(server(&["doctor", "--measure", "1e300"]).status.code(), Some(2));
     fs::write(&config, "[server]\nlisten = 5\n").expect("writable");
     let wrong = server(&["doctor", "--config", file]);
     assert_eq!(wrong.status.code(), Some(2), "{wrong:?}");

@@ -47,9 +47,22 @@ fn traces_are_compared_within_a_tolerance() {
         ("beyond",               "tick,time_s,X\n0,0,1\n1,0.001,2.5\n",       "0.25", 1, "line 3, X: 2 and 2.5; 1 numbers differ, by 0.5 at most"),
         ("shorter",              "tick,time_s,X\n0,0,1\n",                    "0",    1, "ends after 1 row"),
         ("a column less",        "tick,time_s\n0,0\n1,0.001\n",               "0",    1, "has no column X"),
+        ("a tick late",          "tick,time_s,X\n0,0,1\n2,0.001,2\n",         "1",    1, "line 3, tick: 1 and 2"),
+        ("at another time",      "tick,time_s,X\n0,0,1\n1,0.002,2\n",         "1",    1, "line 3, time_s: 0.001 and 0.002"),
+        ("a column twice",       "tick,time_s,X,X\n0,0,1,1\n1,0.001,2,3\n",   "0",    1, "has no column X once more"),
         ("no trace",             "hello\n",                                   "0",    2, "is no trace"),
         ("a row that is cut",    "tick,time_s,X\n0,0\n",                      "0",    2, "line 2 has 2 cells, expected 3"),
     ];
+    // Equal names: the first is compared with the first, the second with the second.
+    let twice = file("twice.csv", "tick,time_s,X,X\n0,0,1,2\n");
+    assert!(
+        arcline(at, &["diff", &twice, &twice])
+            .expect(0)
+            .stdout
+            .contains("the same")
+    );
+    let other = file("other.csv", "tick,time_s,X,X\n0,0,1,3\n");
+    assert_eq!(arcline(at, &["diff", &twice, &other]).code, Some(1));
     for (why, text, tolerance, code, words) in cases {
         let b = file("b.csv", text);
         let ran = arcline(at, &["diff", &a, &b, "--tolerance", tolerance]);
