@@ -2,7 +2,7 @@
 
 use arcline_proto::cip::CipStatus;
 
-/// `clients may not change it (CIP status 0x0F)`.
+/// `clients may not change it, or not with the role of this connection (CIP status 0x0F)`.
 pub(crate) fn in_words(status: CipStatus) -> String {
     let code = |word: &u16| format!(", 0x{word:04X}");
     let codes: String = status.additional().iter().map(code).collect();
@@ -38,7 +38,10 @@ const WORDS: &[(CipStatus, &str)] = &[
     ),
     (CipStatus::OBJECT_ALREADY_EXISTS, "it exists already"),
     (CipStatus::ATTRIBUTE_NOT_SETTABLE, "it cannot be set"),
-    (CipStatus::PRIVILEGE_VIOLATION, "clients may not change it"),
+    (
+        CipStatus::PRIVILEGE_VIOLATION,
+        "clients may not change it, or not with the role of this connection",
+    ),
     (
         CipStatus::DEVICE_STATE_CONFLICT,
         "the present state of the server does not allow this",
@@ -63,7 +66,7 @@ mod tests {
     fn words_come_before_numbers() {
         #[rustfmt::skip]
         let cases = [
-            (CipStatus::PRIVILEGE_VIOLATION,   "clients may not change it (CIP status 0x0F)"),
+            (CipStatus::PRIVILEGE_VIOLATION,   "clients may not change it, or not with the role of this connection (CIP status 0x0F)"),
             (CipStatus::connection(0x0113),    "out of connections (CIP status 0x01, 0x0113)"),
             (CipStatus::connection(0x7777),    "the server refused the connection (CIP status 0x01, 0x7777)"),
             (CipStatus::GENERAL_ERROR.with(0x2105), "elements are beyond the end of the tag (CIP status 0xFF, 0x2105)"),

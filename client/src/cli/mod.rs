@@ -93,6 +93,9 @@ pub(crate) enum Failure {
         type_name: String,
         expected: &'static str,
     },
+    /// An error of one of several instructions.
+    #[error("{target}: {source}")]
+    On { target: String, source: ClientError },
     /// An error of a request, with a hint.
     #[error("{source}: {hint}")]
     Hint { source: ClientError, hint: String },
@@ -126,6 +129,7 @@ impl Failure {
         match self {
             Self::Client(error)
             | Self::Hint { source: error, .. }
+            | Self::On { source: error, .. }
             | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
             Self::Move {
@@ -160,6 +164,7 @@ impl Failure {
         match self {
             Self::Client(error)
             | Self::Hint { source: error, .. }
+            | Self::On { source: error, .. }
             | Self::Program(ProgramError::Client { source: error, .. }) => Some(error),
             Self::Move {
                 source: ProgramError::Client { source: error, .. },

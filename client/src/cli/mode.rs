@@ -16,6 +16,10 @@ pub(crate) async fn mode(client: &Client, command: &Mode, output: &Output) -> Re
         ModeWord::Program => ControllerMode::Program,
     });
     if let Some(wanted) = wanted {
+        if client.controller_mode().await? == ControllerMode::None {
+            let hint = "start the server with one: `arcline-server run PROJECT.L5X`";
+            return Err(Failure::Usage(format!("the server runs no program; {hint}")));
+        }
         client.set_controller_mode(wanted).await?;
     }
     let mut mode = client.controller_mode().await?;

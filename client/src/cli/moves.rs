@@ -1,6 +1,6 @@
 //! `move`, `arc`, `move-axis`, `jog`, `change`, `stop`, `servo`, `home`: executes them, waits for their end and prints it.
 
-use arcline_client::{Client, ClientError, Execution, Flag, Mnemonic, Object, Operands, UnboundOperand};
+use arcline_client::{Client, ClientError, Execution, Flag, Mnemonic, Object, Operands, SystemAxis, UnboundOperand};
 
 use super::args::{Arc, Change, Home, Jog, Motion, Move, MoveAxis, OnOff, Servo, Stop, StopType};
 use super::operands;
@@ -17,6 +17,7 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
         dynamics,
     } = command;
     let system = system.name;
+    refuse_too_many(client, &system, position.0.len()).await?;
     let length = line_length(client, &system, &position.0, dynamics.relative).await;
     let operands = operands::line(&position, &dynamics)?;
     let moved = execute(client, &system, &operands, &dynamics.motion, length, output).await;
@@ -28,6 +29,7 @@ pub(crate) async fn line(client: &Client, command: Move, output: &Output) -> Res
 
 /// `arc`.
 pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Result<(), Failure> {
+    refuse_too_many(client, &command.system.name, command.position.0.len()).await?;
     let length = arc_length(client, &command).await;
     let operands = operands::arc(&command)?;
     let motion = &command.dynamics.motion;
@@ -37,6 +39,23 @@ pub(crate) async fn arc(client: &Client, command: Arc, output: &Output) -> Resul
         Err(failure) => Err(position_explained(client, failure, system, command.position.0.len()).await),
         Ok(()) => Ok(()),
     }
+}
+
+/// Refuses more coordinates than a coordinate system has axes: the server would ignore them.
+async fn refuse_too_many(client: &Client, system: &str, given: usize) -> Result<(), Failure> {
+    match client.axes_of(system).await {
+        Ok(axes) if given > axes.len() => Err(Failure::Usage(wrong_number(system, &axes, given))),
+        Err(error) if error.is_connection() => Err(error.into()),
+        // The move itself is refused with the reason.
+        Ok(_) | Err(_) => Ok(()),
+    }
+}
+
+fn wrong_number(system: &str, axes: &[SystemAxis], given: usize) -> String {
+    let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
+    let (names, axes) = (names.join(", "), counted(axes.len(), "axis"));
+    let were = if given == 1 { "was" } else { "were" };
+    format!("{system} has {axes} ({names}), {given} {were} given")
 }
 
 /// A refused move with its explanation: an axis in place of a coordinate system, or a wrong number of coordinates.
@@ -49,10 +68,7 @@ async fn position_explained(client: &Client, failure: Failure, system: &str, giv
         Failure::Client(source) if source.motion() == Some((OUT_OF_RANGE, POSITION)) => {
             match client.axes_of(system).await {
                 Ok(axes) if axes.len() != given => {
-                    let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-                    let (names, axes) = (names.join(", "), counted(axes.len(), "axis"));
-                    let were = if given == 1 { "was" } else { "were" };
-                    let hint = format!("{system} has {axes} ({names}), {given} {were} given");
+                    let hint = wrong_number(system, &axes, given);
                     Failure::Hint { source, hint }
                 }
                 _ => source.into(),
@@ -126,7 +142,12 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
     // All of them begin to stop before the first wait.
     let mut executions = Vec::new();
     for system in &systems {
-        executions.push(client.execute(Mnemonic::Mcs, system, "", operands.as_slice()).await);
+        let stop = client.execute(Mnemonic::Mcs, system, "", operands.as_slice()).await;
+        // Where everything is to stop, a coordinate system that cannot move does not count.
+        let cannot_move = |error: &ClientError| error.motion().is_some_and(|(err, _)| err == SERVO_OFF);
+        if command.name.is_some() || !stop.as_ref().is_err_and(cannot_move) {
+            executions.push((system.clone(), stop));
+        }
     }
     if !systems.is_empty() {
         executions.extend(stop_others(client, &axes, command.kind).await?);
@@ -143,7 +164,8 @@ pub(crate) async fn stop(client: &Client, command: Stop, output: &Output) -> Res
         };
         let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", UnboundOperand::Integer(kind))?;
         for axis in &axes {
-            executions.push(client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await);
+            let stop = client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await;
+            executions.push((axis.clone(), stop));
         }
     }
     let wait = async |execution: &Execution| {
@@ -160,7 +182,7 @@ async fn stop_others(
     client: &Client,
     axes: &[String],
     what: StopType,
-) -> Result<Vec<Result<Execution, ClientError>>, ClientError> {
+) -> Result<Vec<(String, Result<Execution, ClientError>)>, ClientError> {
     if what == StopType::Transform || axes.is_empty() {
         return Ok(Vec::new());
     }
@@ -171,7 +193,8 @@ async fn stop_others(
         for (member, kind) in SINGLE_AXIS {
             if reading.flag(member) && (what == StopType::All || *kind == MOVE) {
                 let operands = Operands::full_speed(Mnemonic::Mas).with("Stop Type", UnboundOperand::Integer(*kind))?;
-                executions.push(client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await);
+                let stop = client.execute(Mnemonic::Mas, axis, "", operands.as_slice()).await;
+                executions.push((axis.clone(), stop));
             }
         }
     }
@@ -192,7 +215,7 @@ pub(crate) async fn servo(client: &Client, command: Servo, output: &Output) -> R
     };
     let mut executions = Vec::new();
     for axis in &axes {
-        executions.push(client.execute(mnemonic, axis, "", &[]).await);
+        executions.push((axis.clone(), client.execute(mnemonic, axis, "", &[]).await));
     }
     let wait = async |execution: &Execution| {
         output.execution(execution, &execution.control);
@@ -206,9 +229,9 @@ pub(crate) async fn home(client: &Client, command: Home, output: &Output) -> Res
     // All of them begin before the first wait.
     let mut executions = Vec::new();
     for axis in &command.axes {
-        executions.push(client.execute(Mnemonic::Mah, axis, "", &[]).await);
+        executions.push((axis.clone(), client.execute(Mnemonic::Mah, axis, "", &[]).await));
     }
-    let started = executions.iter().flatten();
+    let started = executions.iter().filter_map(|(_, execution)| execution.as_ref().ok());
     let stops: Vec<_> = started
         .filter_map(|execution| StopCommand::all(Object::Axis, execution.target.clone()))
         .collect();
@@ -236,14 +259,15 @@ async fn drives(client: &Client) -> Result<Vec<String>, ClientError> {
 
 /// Finishes all executions, reports each failure, and fails at the end if there was one.
 async fn each(
-    executions: Vec<Result<Execution, ClientError>>,
+    executions: Vec<(String, Result<Execution, ClientError>)>,
     then: impl AsyncFn(&Execution) -> Result<(), Failure>,
     output: &Output,
 ) -> Result<(), Failure> {
     let (all, mut failures) = (executions.len(), Vec::new());
-    for execution in executions {
+    for (target, execution) in executions {
         let result = match execution {
             Ok(execution) => then(&execution).await,
+            Err(source) if source.motion().is_some() && all > 1 => Err(Failure::On { target, source }),
             Err(error) => Err(error.into()),
         };
         match result {
@@ -349,6 +373,8 @@ const SINGLE_AXIS: &[(&str, i64)] = &[
 ];
 /// MAS, Stop Type: Move.
 const MOVE: i64 = 2;
+/// ERR of a stop of axes whose drives are off.
+const SERVO_OFF: i16 = 5;
 /// ERR of an operand out of range, and the operand Position of MCLM and MCCM.
 const OUT_OF_RANGE: i16 = 13;
 const POSITION: i8 = 3;

@@ -114,6 +114,9 @@ impl Output {
         }
         let mut object = Map::new();
         object.insert("error".to_owned(), Json::from(failure.to_string()));
+        if let Failure::On { target, .. } = failure {
+            object.insert("target".to_owned(), Json::from(target.as_str()));
+        }
         if let Some((error, (err, exerr))) = failure.client().and_then(|error| Some((error, error.motion()?))) {
             object.insert(
                 "instruction".to_owned(),

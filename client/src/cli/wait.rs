@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tokio::signal::unix::{SignalKind, signal};
 
 use arcline_client::{
     Client, ClientError, Ended, Execution, Flag, Mnemonic, MotionControl, Object, Operands, UnboundOperand,
@@ -121,11 +122,39 @@ impl StopCommand {
     }
 }
 
-/// Waits for Ctrl-C; forever if its signal is not available.
+/// Waits for Ctrl-C, the end of the terminal or SIGTERM; forever if these signals are not available.
 pub(crate) async fn interrupted() {
-    if tokio::signal::ctrl_c().await.is_err() {
-        std::future::pending::<()>().await;
+    let hangs_up = async {
+        // The program was started to survive its terminal.
+        if !is_hangup_ignored() {
+            signalled(SignalKind::hangup()).await;
+        } else {
+            std::future::pending::<()>().await;
+        }
+    };
+    tokio::select! {
+        () = signalled(SignalKind::interrupt()) => {}
+        () = signalled(SignalKind::terminate()) => {}
+        () = hangs_up => {}
     }
+}
+
+async fn signalled(kind: SignalKind) {
+    match signal(kind) {
+        Ok(mut signals) => drop(signals.recv().await),
+        Err(_) => std::future::pending().await,
+    }
+}
+
+/// Whether the program was started with SIGHUP ignored, as `nohup` does it.
+fn is_hangup_ignored() -> bool {
+    let Ok(status) = std::fs::read_to_string("/proc/self/status") else {
+        return false;
+    };
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    // The first bit is that of signal 1.
+    ignored.is_some_and(|mask| mask & 1 != 0)
 }
 
 /// Stops the motion and reports it.

@@ -43,7 +43,7 @@ pub(crate) use values::{Point, Rate};
 )]
 pub(crate) struct Arguments {
     /// The server; its port is 44818 by default. The variable ARCLINE_SERVER sets another default server
-    #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1")]
+    #[arg(long, global = true, value_name = "HOST[:PORT]", default_value = "127.0.0.1", help_heading = CONNECTION)]
     pub(crate) server: String,
     #[command(flatten)]
     pub(crate) tls: TlsArguments,
@@ -54,24 +54,27 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
 }
 
+/// The heading of the options that every command has, in its help.
+const CONNECTION: &str = "Connection";
+
 /// The TLS of the connection.
 #[derive(clap::Args, Clone, Default, Debug)]
 pub(crate) struct TlsArguments {
     /// Connect over TLS; the port is 2221 by default. The files are ca.pem, client.pem and client.key in ~/.config/arcline, or those of the
     /// other options, or of the variables ARCLINE_CA, ARCLINE_CERTIFICATE and ARCLINE_KEY. ARCLINE_TLS=1 is the same as --tls
-    #[arg(long, global = true)]
+    #[arg(long, global = true, help_heading = CONNECTION)]
     pub(crate) tls: bool,
     /// The authority of the server's certificate
-    #[arg(long, global = true, value_name = "FILE.pem", hide_short_help = true)]
+    #[arg(long, global = true, value_name = "FILE.pem", hide_short_help = true, help_heading = CONNECTION)]
     pub(crate) ca: Option<PathBuf>,
     /// The certificate of this client
-    #[arg(long, global = true, value_name = "FILE.pem", hide_short_help = true)]
+    #[arg(long, global = true, value_name = "FILE.pem", hide_short_help = true, help_heading = CONNECTION)]
     pub(crate) certificate: Option<PathBuf>,
     /// The private key of that certificate
-    #[arg(long, global = true, value_name = "FILE.key", hide_short_help = true)]
+    #[arg(long, global = true, value_name = "FILE.key", hide_short_help = true, help_heading = CONNECTION)]
     pub(crate) key: Option<PathBuf>,
     /// The name in the server's certificate, where it is not that of --server
-    #[arg(long, global = true, value_name = "NAME", hide_short_help = true)]
+    #[arg(long, global = true, value_name = "NAME", hide_short_help = true, help_heading = CONNECTION)]
     pub(crate) server_name: Option<String>,
 }
 

@@ -211,24 +211,26 @@ fn single_axes_move_and_jog() {
     let refused = arcline(at, &["move-axis", "X", "5", "--shortest"]).expect(1);
     assert!(refused.stderr.contains("ERR 17 Axis Mode Not Rotary"), "{refused:?}");
 
-    // A jog is waited for until Ctrl-C; then it is stopped, and nothing else.
-    let mut waiting = command(at, &["jog", "X", "-40"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the command line was just built");
-    eventually("the jog", Duration::from_secs(20), || {
-        ((speed() + 40.0).abs() < 1e-3).then_some(())
-    });
-    signal("INT", waiting.id());
-    let ended = eventually("the end of the command", Duration::from_secs(20), || {
-        waiting.try_wait().ok().flatten()
-    });
-    assert_eq!(ended.code(), Some(130), "{ended:?}");
-    assert_eq!(speed(), 0.0, "the jog has been stopped");
-    let output = waiting.wait_with_output().expect("it has ended");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(text.contains("interrupted: X is stopped"), "{text}");
+    // A jog is waited for until Ctrl-C, the end of the terminal or SIGTERM; then it is stopped, and nothing else.
+    for end in ["INT", "HUP", "TERM"] {
+        let mut waiting = command(at, &["jog", "X", "-40"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the command line was just built");
+        eventually("the jog", Duration::from_secs(20), || {
+            ((speed() + 40.0).abs() < 1e-3).then_some(())
+        });
+        signal(end, waiting.id());
+        let ended = eventually("the end of the command", Duration::from_secs(20), || {
+            waiting.try_wait().ok().flatten()
+        });
+        assert_eq!(ended.code(), Some(130), "{end}: {ended:?}");
+        assert_eq!(speed(), 0.0, "the jog has been stopped");
+        let output = waiting.wait_with_output().expect("it has ended");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(text.contains("interrupted: X is stopped"), "{end}: {text}");
+    }
 
     // A jog that another client stops ends well.
     let waiting = command(at, &["jog", "X", "5%"])

@@ -229,6 +229,9 @@ fn mistakes_are_told_in_words() {
     #[rustfmt::skip]
     let cases: &[(&str, &[&str], i32, &str)] = &[
         ("a move of an axis",          &["move", "X", "100"],             2, "X is an axis, MCLM acts on a coordinate system: `arcline move-axis X POSITION` moves it"),
+        ("an axis too many",           &["move", "CS1", "1,2,3,4"],       2, "CS1 has 3 axes (X, Y, Z), 4 were given"),
+        ("too many in an arc",         &["arc", "XY", "1,2,3", "--center", "0,0"], 2, "XY has 2 axes (X, Y), 3 were given"),
+        ("a program that is not there", &["mode", "run"],                 2, "the server runs no program"),
         ("an axis too few",            &["move", "CS1", "1,2"],           1, "operand 3 (Position): CS1 has 3 axes (X, Y, Z), 2 were given"),
         ("operands left out",          &["exec", "MAJ(X, J, Forward, 20)"], 1, "operand 5 (Accel Rate): Accel Rate was not given"),
         ("a fraction for a DINT",      &["write", "Parts", "3.5"],        2, "Parts is DINT, 3.5 does not fit"),
@@ -250,14 +253,20 @@ fn mistakes_are_told_in_words() {
     // The number stands behind the words, for a look into the pages of CIP.
     #[rustfmt::skip]
     let refused: &[(&str, &[&str], &str)] = &[
-        ("a read-only tag",   &["write", "X.ActualPosition", "1"],    "X.ActualPosition: clients may not change it (CIP status 0x0F)\n"),
+        ("a read-only tag",   &["write", "X.ActualPosition", "1"],    "X.ActualPosition: clients may not change it, or not with the role of this connection (CIP status 0x0F)\n"),
         ("a name that is",    &["tags", "create", "Move1", "DINT"],   "Move1: it exists already (CIP status 0x0D): choose another name, or delete that tag first\n"),
-        ("a tag of an axis",  &["tags", "delete", "X"],               "X: clients may not change it (CIP status 0x0F): only plain tags can be deleted\n"),
+        ("a tag of an axis",  &["tags", "delete", "X"],               "X: clients may not change it, or not with the role of this connection (CIP status 0x0F): only plain tags can be deleted\n"),
     ];
     for (why, arguments, message) in refused {
         assert_eq!(arcline(at, arguments).expect(1).stderr, *message, "{why}");
     }
     assert_eq!(read_numbers(at, &["Parts"])[0], 0.0, "nothing was written");
+    // Everything stops, though the coordinate systems of X cannot move.
+    let _ = arcline(at, &["servo", "off", "X"]).expect(0);
+    let _ = arcline(at, &["stop"]).expect(0);
+    let refused = arcline(at, &["stop", "CS1"]).expect(1);
+    assert!(refused.stderr.contains("ERR 5 "), "{refused:?}");
+    let _ = arcline(at, &["servo", "on", "X"]).expect(0);
     let _ = arcline(at, &["write", "Parts", "3.0"]).expect(0);
     assert_eq!(read_numbers(at, &["Parts"])[0], 3.0);
     assert_eq!(
