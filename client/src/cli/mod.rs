@@ -129,13 +129,13 @@ impl Failure {
         match self {
             Self::Client(error)
             | Self::Hint { source: error, .. }
-            | Self::On { source: error, .. }
-            | Self::Program(ProgramError::Client { source: error, .. }) => client_code(error),
+            | Self::On { source: error, .. } => client_code(error),
+            Self::Program(ProgramError::Client { source: error, .. }) => run_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
             Self::Move {
                 source: ProgramError::Client { source, .. },
                 ..
-            } => client_code(source),
+            } => run_code(source),
             Self::Move {
                 source: ProgramError::Runtime(_) | ProgramError::Hopeless(_),
                 ..
@@ -172,6 +172,14 @@ impl Failure {
             } => Some(error),
             _ => None,
         }
+    }
+}
+
+/// The code of an error that ends a program which runs: 2 would say that nothing of it was executed.
+fn run_code(error: &ClientError) -> u8 {
+    match client_code(error) {
+        2 => 1,
+        code => code,
     }
 }
 

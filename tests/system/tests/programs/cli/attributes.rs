@@ -46,7 +46,7 @@ fn a_program_sets_attributes() {
             format!("n := 0;\nSSV(CoordinateSystem, CS1, DynamicsConfigurationBits, {value});\n"),
         )
         .expect("the folder is writable");
-        let refused = arcline(at, &["run", file]).expect(2);
+        let refused = arcline(at, &["run", file]).expect(1);
         assert_eq!(
             refused.stderr,
             format!("line 2: DynamicsConfigurationBits cannot be {value}, expected a whole number from 0 to 7\n"),
