@@ -15,7 +15,7 @@ pub enum ReadError {
     #[error(transparent)]
     Path(#[from] PathError),
     /// A structure in place of a number.
-    #[error("{path} is a {data_type}, expected a number")]
+    #[error("{path} has the type {data_type}, expected a number")]
     NotAValue {
         /// The path.
         path: String,

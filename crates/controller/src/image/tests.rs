@@ -333,7 +333,7 @@ fn reads_that_lead_nowhere_say_why() {
     #[rustfmt::skip]
     let cases = [
         ("Nothing", "there is no tag \"Nothing\""),
-        ("X", "X is a AXIS_CIP_DRIVE, expected a number"),
+        ("X", "X has the type AXIS_CIP_DRIVE, expected a number"),
         ("X.Nothing", "AXIS_CIP_DRIVE has no member \"Nothing\""),
         ("Move1.Nothing", "MCLM has no member \"Nothing\""),
         ("Recipe[16]", "index 16 is out of range, the array has 16 elements"),
