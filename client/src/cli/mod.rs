@@ -127,9 +127,9 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Self::Client(error)
-            | Self::Hint { source: error, .. }
-            | Self::On { source: error, .. } => client_code(error),
+            Self::Client(error) | Self::Hint { source: error, .. } | Self::On { source: error, .. } => {
+                client_code(error)
+            }
             Self::Program(ProgramError::Client { source: error, .. }) => run_code(error),
             Self::Program(ProgramError::Syntax(_)) | Self::File { .. } | Self::NoSuchFault { .. } => 2,
             Self::Move {
