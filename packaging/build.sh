@@ -14,12 +14,13 @@ cd "$(dirname "$0")/.."
 root=$PWD
 target=${CARGO_TARGET_DIR:-$root/target}
 version=$(sed -n 's/^version = "\(.*\)"$/\1/p' Cargo.toml | head -1)
-export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}
 umask 022
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 built=$(cargo build --release --workspace --bins --locked --quiet --message-format=json-render-diagnostics)
+# Not for cargo: the C of `ring`, which has no dates, would be compiled again, and all that needs it.
+export SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}
 # glibc, linked in: nothing of the server resolves names or users, for which a static glibc would load libraries. Only linking depends on that flag, so
 # the program is linked once more from the library that cargo has just built; given to cargo, the flag would have every crate compiled a second time.
 library=$(python3 -c '
