@@ -16,11 +16,15 @@ pub(crate) async fn mode(client: &Client, command: &Mode, output: &Output) -> Re
         ModeWord::Program => ControllerMode::Program,
     });
     if let Some(wanted) = wanted {
-        if client.controller_mode().await? == ControllerMode::None {
-            let hint = "start the server with one: `arcline-server run PROJECT.L5X`";
-            return Err(Failure::Usage(format!("the server runs no program; {hint}")));
+        if let Err(source) = client.set_controller_mode(wanted).await {
+            return Err(match client.controller_mode().await {
+                Ok(ControllerMode::None) => Failure::Hint {
+                    source,
+                    hint: "the server runs no program, as `arcline-server run PROJECT.L5X` does".to_owned(),
+                },
+                _ => source.into(),
+            });
         }
-        client.set_controller_mode(wanted).await?;
     }
     let mut mode = client.controller_mode().await?;
     for _ in 0..MOST_READS {

@@ -128,7 +128,8 @@ fn the_mode_stops_the_tasks_and_lets_them_run() {
     });
     let without = Server::start();
     assert_eq!(arcline(without.address(), &["mode"]).expect(0).stdout, "no program\n");
-    assert_eq!(arcline(without.address(), &["mode", "run"]).code, Some(1));
+    let refused = arcline(without.address(), &["mode", "run"]).expect(1);
+    assert!(refused.stderr.contains("the server runs no program"), "{refused:?}");
 }
 
 #[test]

@@ -231,7 +231,6 @@ fn mistakes_are_told_in_words() {
         ("a move of an axis",          &["move", "X", "100"],             2, "X is an axis, MCLM acts on a coordinate system: `arcline move-axis X POSITION` moves it"),
         ("an axis too many",           &["move", "CS1", "1,2,3,4"],       2, "CS1 has 3 axes (X, Y, Z), 4 were given"),
         ("too many in an arc",         &["arc", "XY", "1,2,3", "--center", "0,0"], 2, "XY has 2 axes (X, Y), 3 were given"),
-        ("a program that is not there", &["mode", "run"],                 2, "the server runs no program"),
         ("an axis too few",            &["move", "CS1", "1,2"],           1, "operand 3 (Position): CS1 has 3 axes (X, Y, Z), 2 were given"),
         ("operands left out",          &["exec", "MAJ(X, J, Forward, 20)"], 1, "operand 5 (Accel Rate): Accel Rate was not given"),
         ("a fraction for a DINT",      &["write", "Parts", "3.5"],        2, "Parts is DINT, 3.5 does not fit"),
