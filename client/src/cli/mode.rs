@@ -15,16 +15,16 @@ pub(crate) async fn mode(client: &Client, command: &Mode, output: &Output) -> Re
         ModeWord::Run => ControllerMode::Run,
         ModeWord::Program => ControllerMode::Program,
     });
-    if let Some(wanted) = wanted {
-        if let Err(source) = client.set_controller_mode(wanted).await {
-            return Err(match client.controller_mode().await {
-                Ok(ControllerMode::None) => Failure::Hint {
-                    source,
-                    hint: "the server runs no program, as `arcline-server run PROJECT.L5X` does".to_owned(),
-                },
-                _ => source.into(),
-            });
-        }
+    if let Some(wanted) = wanted
+        && let Err(source) = client.set_controller_mode(wanted).await
+    {
+        return Err(match client.controller_mode().await {
+            Ok(ControllerMode::None) => Failure::Hint {
+                source,
+                hint: "the server runs no program, as `arcline-server run PROJECT.L5X` does".to_owned(),
+            },
+            _ => source.into(),
+        });
     }
     let mut mode = client.controller_mode().await?;
     for _ in 0..MOST_READS {
