@@ -40,6 +40,12 @@ pub fn is_long() -> bool {
     std::env::var_os("ARCLINE_LONG").is_some()
 }
 
+/// All cases of a test in a long run ([`is_long`]); in a plain `cargo test` the one at an index.
+#[must_use]
+pub fn one_or_all<T>(cases: &[T], one: usize) -> &[T] {
+    if is_long() { cases } else { &cases[one..=one] }
+}
+
 /// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on in a long run
 /// ([`is_long`]); one of 25 of them in a plain `cargo test`.
 ///

@@ -32,7 +32,7 @@ pub enum Call {
     FailedSync(Inode),
     /// A file has another name, in place of the file that had it.
     Rename(PathBuf, PathBuf),
-    /// A renaming that has failed: nobody knows whether the disk has made it.
+    /// A renaming that has failed. The disk may have made it all the same.
     FailedRename(PathBuf, PathBuf),
     /// A synchronisation of the folder that has succeeded.
     SyncFolder,

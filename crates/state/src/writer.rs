@@ -179,7 +179,7 @@ impl<D: Disk, A> Writer<D, A> {
             }
             (Target::Beside(()), Ok(())) if self.store.is_rewritten() => match self.store.finish_rewrite() {
                 Ok(()) => self.renamed = !is_planted("folder not synchronised"),
-                // Nobody knows which file has the name.
+                // Either file may have the name now.
                 Err(error) => self.fail(Failure::Rename, error, now),
             },
             (Target::Beside(()), result) => {

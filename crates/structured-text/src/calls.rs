@@ -156,9 +156,10 @@ impl<X: Clone> Calls<X> {
         self.running
     }
 
-    /// The next read begins at the oldest execution.
-    pub(crate) fn restart(&mut self) {
-        self.next = 0;
+    /// The oldest one that runs, from an index on.
+    pub(crate) fn oldest_running(&self, from: usize) -> Option<(usize, &Called<X>)> {
+        let mut behind = (from..).zip(self.executed.iter().skip(from));
+        behind.find_map(|(index, (state, called))| (*state == CallState::Running).then_some((index, called)))
     }
 
     /// The next one that runs, those of earlier reads last.

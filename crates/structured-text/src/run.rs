@@ -147,7 +147,7 @@ impl<X: Clone> ProgramRun<X> {
     /// An instruction erred, or, unless the policy is to keep going, a fault ended its motion.
     pub async fn finish<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
         loop {
-            self.read_executions(driver, Turn::First).await?;
+            self.read_executions(driver).await?;
             self.explain(driver).await?;
             if self.calls.running() == 0 {
                 return Ok(());
@@ -332,31 +332,26 @@ impl<X: Clone> ProgramRun<X> {
         line: usize,
         pause: Pause<'_>,
     ) -> Result<(), RunError<D::Error>> {
-        self.read_executions(driver, Turn::Next).await?;
+        self.read_executions(driver).await?;
         self.settled.clear();
         let paused = driver.pause(pause).await;
         paused.map_err(|error| RunError::Driver { line, error })
     }
 
-    /// Reads running executions, [`Driver::MOST_READS`] at most, and reports those that have erred.
-    async fn read_executions<D: Driver<Execution = X>>(
-        &mut self,
-        driver: &mut D,
-        turn: Turn,
-    ) -> Result<(), RunError<D::Error>> {
+    /// Reads the oldest running execution and, in turn, [`Driver::MOST_READS`] others at most; reports those that have erred.
+    async fn read_executions<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
         if D::MOST_READS == 0 {
             return Ok(());
         }
         // Most executions end in their order.
-        while let Some((index, called)) = self.calls.first(CallState::Running) {
+        let mut oldest = 0;
+        while let Some((index, called)) = self.calls.oldest_running(oldest) {
+            oldest = index;
             let state = read_execution(driver, called, self.policy.on_error).await?;
             self.calls.set(index, state);
             if state == CallState::Running {
                 break;
             }
-        }
-        if turn == Turn::First {
-            self.calls.restart();
         }
         let mut running = 0;
         for _ in 0..self.calls.running() {
@@ -366,6 +361,9 @@ impl<X: Clone> ProgramRun<X> {
             let Some((index, called)) = self.calls.next_running() else {
                 break;
             };
+            if index == oldest {
+                continue;
+            }
             let state = read_execution(driver, called, self.policy.on_error).await?;
             self.calls.set(index, state);
             running += usize::from(state == CallState::Running);
@@ -441,15 +439,6 @@ pub fn is_status(path: &TagPath) -> bool {
 
 /// The members of MOTION_INSTRUCTION beside its bits.
 const STATUS: [&str; 6] = ["FLAGS", "ERR", "STATUS", "STATE", "SEGMENT", "EXERR"];
-
-/// The execution at which a read of running executions begins.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Turn {
-    /// The oldest one.
-    First,
-    /// The one behind those of the previous read.
-    Next,
-}
 
 impl Outcome {
     /// Whether the instruction has ended, or was never executed.

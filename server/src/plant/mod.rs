@@ -335,7 +335,7 @@ impl Plant {
     pub(crate) fn retain_at_the_end(&self) {
         let mut state = self.0.lock();
         state.refresh();
-        // Nobody waits for it: the writer writes everything that it was sent before it ends.
+        // No client waits for the answer: before it ends, the writer writes all records that it was sent.
         drop(state.send_writes());
         let State { watch, link, .. } = &mut *state;
         if let Some(watch) = watch {

@@ -115,13 +115,8 @@ impl MotionTickets {
 
     /// Notes a call that may begin motion.
     pub(super) fn note(&mut self, ticket: Ticket, call: &Call, records: &Executions) {
-        let (Some(target), Some(_), Some(origin)) = (call.target, stop_of(call.mnemonic), records.origin(ticket))
-        else {
+        let Some((target, mover)) = moved(call.mnemonic, call.target, ticket, records) else {
             return;
-        };
-        let mover = Mover {
-            principal: origin.principal,
-            client: origin.client.clone(),
         };
         let coupled = call.arguments.iter().find_map(|argument| match argument {
             Argument::Object(other) => Some([SystemId(target), SystemId(*other)]),
@@ -139,12 +134,8 @@ impl MotionTickets {
 
     /// The controller has begun an instruction: should it end within the same look at the controller, its object may still move.
     pub(super) fn began(&mut self, mnemonic: Mnemonic, target: Option<u16>, ticket: Ticket, records: &Executions) {
-        let (Some(target), Some(_), Some(origin)) = (target, stop_of(mnemonic), records.origin(ticket)) else {
+        let Some((target, mover)) = moved(mnemonic, target, ticket, records) else {
             return;
-        };
-        let mover = Mover {
-            principal: origin.principal,
-            client: origin.client.clone(),
         };
         let object = MotionObject::of(mnemonic.instruction().object, target);
         let axes: &[AxisId] = match &object {
@@ -299,6 +290,17 @@ impl MotionTickets {
         }
         Some(&transform.mover)
     }
+}
+
+/// The object that an execution may move, and its mover; `None`: the instruction begins no motion.
+fn moved(mnemonic: Mnemonic, target: Option<u16>, ticket: Ticket, records: &Executions) -> Option<(u16, Mover)> {
+    stop_of(mnemonic)?;
+    let origin = records.origin(ticket)?;
+    let mover = Mover {
+        principal: origin.principal,
+        client: origin.client.clone(),
+    };
+    Some((target?, mover))
 }
 
 /// Whether an axis moves, or is being stopped.

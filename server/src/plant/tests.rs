@@ -190,8 +190,8 @@ fn the_newest_executions_are_kept() {
     assert!(records.get(Ticket(10)).is_none() && records.get(Ticket(5000)).is_none());
 }
 
-/// One that runs stays beyond the ring until it has ended, and then for as many ends of others; unless changes were lost, since then nobody
-/// knows whether it runs.
+/// The record of an execution that runs outlasts the ring. Behind its end it stays until as many others have ended. After lost changes of status,
+/// when no record can tell whether its execution runs, the ring alone keeps records.
 #[test]
 fn executions_that_run_are_kept() {
     let origin = Origin {

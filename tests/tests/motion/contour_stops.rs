@@ -3,7 +3,7 @@
 
 use arcline_instruction_set::{FaultKind, Flag};
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::random::is_long;
+use arcline_tests::random::{is_long, one_or_all};
 
 /// Master units/s that contours are planned for.
 const NOMINAL: f64 = 50.0;
@@ -162,10 +162,8 @@ fn every_stop_of_an_s_curve_has_a_jerk_limit() {
 #[test]
 fn a_shutdown_of_the_master_stops_like_mcs() {
     for (place, kind) in KINDS.into_iter().enumerate() {
-        let speeds = [20.0, 120.0];
         // Each kind at one speed, and at both where there is time.
-        let one = place % 2;
-        for speed in if is_long() { &speeds[..] } else { &speeds[one..=one] }.iter().copied() {
+        for speed in one_or_all(&[20.0, 120.0], place % 2).iter().copied() {
             let traces = ["MCS(CS1, S, CoordinatedMove)", "MASD(A, S)"].map(|call| {
                 let row = format!("{call}, {kind:?}, master at {speed}");
                 let mut bench = under_way(kind, true, speed);
@@ -182,7 +180,7 @@ fn a_shutdown_of_the_master_stops_like_mcs() {
 /// Speed falls along the path, at the place where the motion is: at the programmed rate the way to rest is that of the profile.
 #[test]
 fn a_driven_contour_needs_as_much_way_to_rest_as_a_superposed_move() {
-    for speed in if is_long() { &[120.0, 20.0][..] } else { &[120.0] }.iter().copied() {
+    for speed in one_or_all(&[120.0, 20.0], 0).iter().copied() {
         let ways = KINDS.map(|kind| {
             let row = format!("{kind:?}, master at {speed}");
             let mut bench = under_way(kind, true, speed);

@@ -3,7 +3,7 @@
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status as cms;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::random::is_long;
+use arcline_tests::random::{is_long, one_or_all};
 
 /// XY with precise corners, enforced limits of its axes and a queue of 20.
 fn precise() -> Bench {
@@ -254,8 +254,7 @@ fn a_merge_takes_over_a_contour_and_keeps_the_limits_of_the_axes() {
         // The current speed of the beginning would take for ever. Each combination of operands at one instant, and at all of them where there is time.
         let all = [1 + 28 * speed, 120, 262, 400];
         let one = (2 * merge + speed) as usize % all.len();
-        let instants = if is_long() { &all[..] } else { &all[one..=one] };
-        for at in instants.iter().copied() {
+        for at in one_or_all(&all, one).iter().copied() {
             let mut bench = precise();
             three_sides(&mut bench);
             bench.run(at);

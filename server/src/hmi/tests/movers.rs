@@ -46,17 +46,23 @@ impl Bench {
         executed.instance
     }
 
-    async fn end_of(&self, instance: u32) {
-        let ended = async {
-            while self
-                .plant
-                .instruction_instance(instance)
-                .is_some_and(|control| control.has(Flag::Ip))
-            {
+    /// Waits until a condition is true on the running machine.
+    async fn until(&self, is_true: impl Fn() -> bool) {
+        let came = async {
+            while !is_true() {
                 tokio::time::sleep(Duration::from_millis(2)).await;
             }
         };
-        timeout(SOON, ended).await.expect("it ends");
+        timeout(SOON, came).await.expect("the condition comes true");
+    }
+
+    async fn end_of(&self, instance: u32) {
+        let runs = || {
+            self.plant
+                .instruction_instance(instance)
+                .is_some_and(|control| control.has(Flag::Ip))
+        };
+        self.until(|| !runs()).await;
     }
 
     fn mover(&self, name: &str) -> Option<Principal> {
@@ -86,12 +92,12 @@ impl Bench {
     }
 
     async fn rest(&self, axis: &str) {
-        let rests = async {
-            while self.speed(axis) != 0.0 {
-                tokio::time::sleep(Duration::from_millis(2)).await;
-            }
-        };
-        timeout(SOON, rests).await.expect("it rests");
+        self.until(|| self.speed(axis) == 0.0).await;
+    }
+
+    /// Waits until an axis is faster than a speed.
+    async fn moves(&self, axis: &str, speed: f64) {
+        self.until(|| self.speed(axis) > speed).await;
     }
 }
 
@@ -211,17 +217,18 @@ async fn a_client_sees_motion_that_the_server_no_longer_knows() {
         instance: 4_000_000,
         control: Default::default(),
     };
-    for (target, mnemonic, text) in [
+    for (target, axis, mnemonic, text) in [
         (
             "CS1",
+            "X",
             Mnemonic::Mclm,
             "MCLM(CS1, M1, 0, [400, 0, 0], 20, 0, 5000, 0, 5000, 0);",
         ),
-        ("S", Mnemonic::Maj, "MAJ(S, J, 0, 20, 0, 5000, 0, 5000, 0);"),
+        ("S", "S", Mnemonic::Maj, "MAJ(S, J, 0, 20, 0, 5000, 0, 5000, 0);"),
     ] {
         assert_eq!(client.is_moving(target).await.ok(), Some(false), "{target}");
         bench.begin(CLIENTS[0], text).await;
-        tokio::time::sleep(Duration::from_millis(20)).await;
+        bench.moves(axis, 0.0).await;
         let waited = client.wait_for(&dropped(target, mnemonic), Flag::Pc, SOON).await;
         let error = waited.expect_err("it never was").to_string();
         assert_eq!(
@@ -242,7 +249,7 @@ async fn a_mover_lasts_until_its_object_rests() {
     let far = bench
         .begin(mover, "MAM(S, Far, 1, 300, 20, 0, 5000, 0, 5000, 0);")
         .await;
-    tokio::time::sleep(Duration::from_millis(50)).await;
+    bench.moves("S", 19.9).await;
     bench.begin(other, "MAS(S, Weak, All, Yes, 2, 0);").await;
     bench.end_of(far).await;
     assert!(bench.speed("S") > 10.0, "{}", bench.speed("S"));
@@ -255,7 +262,7 @@ async fn a_mover_lasts_until_its_object_rests() {
     let far = bench
         .begin(mover, "MCLM(CS1, M1, 0, [400, 0, 0], 20, 0, 5000, 0, 5000, 0);")
         .await;
-    tokio::time::sleep(Duration::from_millis(50)).await;
+    bench.moves("X", 19.9).await;
     bench.begin(other, "MCS(CS1, Weak, 2, Yes, 2, 0);").await;
     bench.end_of(far).await;
     assert!(bench.speed("X") > 10.0, "{}", bench.speed("X"));
@@ -277,8 +284,7 @@ async fn coupled_coordinate_systems_have_one_mover() {
     let far = bench
         .begin(mover, "MCLM(CS2, M, 1, [100, 50, 0], 5, 0, 500, 0, 500, 0);")
         .await;
-    tokio::time::sleep(Duration::from_millis(50)).await;
-    assert!(bench.speed("A") > 0.1);
+    bench.moves("A", 0.1).await;
     bench.assert_mover(&["CS2", "CS3", "X", "A", "B", "C"], Some(mover), "the source moves");
     for axis in ["A", "B"] {
         viewer.is_refused(axis, "the source moves").await;
@@ -292,6 +298,6 @@ async fn coupled_coordinate_systems_have_one_mover() {
     bench.end_of(jog).await;
     bench.rest("A").await;
     bench.begin(other, "MCS(CS2, Off, 3, No);").await;
-    tokio::time::sleep(Duration::from_millis(20)).await;
+    bench.until(|| bench.mover("CS2").is_none()).await;
     bench.assert_mover(&["CS2", "CS3", "X", "A"], None, "nothing couples them");
 }
