@@ -47,7 +47,7 @@ pub fn one_or_all<T>(cases: &[T], one: usize) -> &[T] {
 }
 
 /// The seeds of a random property: as many as `ARCLINE_CASES` says from `ARCLINE_SEED` on. Without them `long` seeds from 0 on in a long run
-/// ([`is_long`]); one of 25 of them in a plain `cargo test`.
+/// ([`is_long`]); one of 40 of them in a plain `cargo test`.
 ///
 /// # Panics
 /// When a variable is no number.
@@ -58,7 +58,7 @@ pub fn seeds(long: u64) -> std::ops::Range<u64> {
             .ok()
             .map(|text| text.parse::<u64>().expect("a number"))
     };
-    let usual = if is_long() { long } else { long.div_ceil(25) };
+    let usual = if is_long() { long } else { long.div_ceil(40) };
     let first = number("ARCLINE_SEED").unwrap_or(0);
     first..first + number("ARCLINE_CASES").unwrap_or(usual)
 }

@@ -190,7 +190,7 @@ mod any {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, cases: 2000, ..ProptestConfig::default() })]
+        #![proptest_config(ProptestConfig { failure_persistence: None, cases: ProptestConfig::default().cases * 8, ..ProptestConfig::default() })]
 
         /// One long period or up to a hundred short ones of any length: the same axis.
         #[test]

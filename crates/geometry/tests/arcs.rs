@@ -161,7 +161,7 @@ fn point() -> impl Strategy<Value = Point> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases * 8))]
 
     #[test]
     fn via_in_space(start in point(), via in point(), end in point(), full in any::<bool>(), share in 0.0..1.0) {

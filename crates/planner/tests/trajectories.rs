@@ -119,7 +119,7 @@ fn path() -> impl Strategy<Value = Path> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases * 3 / 2))]
 
     #[test]
     fn the_time_is_the_closed_form_and_the_end_is_exact(path in path(), limits in limits()) {
@@ -203,7 +203,7 @@ fn oriented(x: f64, y: f64, z: f64) -> arcline_planner::geometry::Rotation {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases.div_ceil(4)))]
 
     /// Position and orientation begin and end together, at every update period alike.
     #[test]

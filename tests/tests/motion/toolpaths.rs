@@ -8,7 +8,7 @@ use arcline_tests::streams::{Feed, Latency, STREAMS, limits, travel};
 fn a_stream_that_is_sent_faster_than_it_is_travelled_never_rests() {
     for stream in STREAMS {
         for jerk in [None, Some(100_000.0)] {
-            let moves = stream.moves(if is_long() { 1500 } else { 500 }, jerk);
+            let moves = stream.moves(if is_long() { 1500 } else { 300 }, jerk);
             let kept = limits(jerk);
             let feed = Feed {
                 depth: 1000,

@@ -88,7 +88,7 @@ fn check(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.div_ceil(128), ..ProptestConfig::default() })]
 
     #[test]
     fn windows_are_travelled_like_one_plan(

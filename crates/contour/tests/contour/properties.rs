@@ -60,7 +60,7 @@ fn flat() -> impl Strategy<Value = (f64, f64, f64, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.div_ceil(16), ..ProptestConfig::default() })]
 
     #[test]
     fn lines_and_arcs_in_space(steps in prop::collection::vec(step(), 1..6), tolerance in 0.01..0.5_f64, profile in profile()) {

@@ -172,7 +172,7 @@ fn travel(moves: &[ContourMove], limits: &AxisLimits, speed: f64) -> Result<(usi
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.div_ceil(32), ..ProptestConfig::default() })]
 
     #[test]
     fn streams_never_rest(

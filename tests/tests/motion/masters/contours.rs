@@ -4,7 +4,7 @@
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::coordinate_motion_status::COORDINATE_SYSTEM_LOCK_STATUS;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::random::Random;
+use arcline_tests::random::{Random, is_long, one_or_all};
 
 /// Speed of the master that contours are planned for, master units/s.
 const NOMINAL: f64 = 50.0;
@@ -116,7 +116,7 @@ fn a_contour_is_a_function_of_its_masters_way() {
     let (places, complete) = timed(&mut bench(""));
     let mut reference = bench("");
     timed(&mut reference);
-    for case in 0..8 {
+    for case in 0..if is_long() { 8 } else { 2 } {
         let mut random = Random(3_000_000 + case);
         let mut bench = bench("");
         bench.write("Encoder", 0.0);
@@ -169,7 +169,7 @@ fn a_contour_is_a_function_of_its_masters_way() {
 
 #[test]
 fn a_driven_contour_is_stopped_on_its_path_by_time_however_fast_its_master_is() {
-    for speed in [20.0, 50.0, 200.0] {
+    for speed in one_or_all(&[20.0, 50.0, 200.0], 2).iter().copied() {
         let (places, _) = timed(&mut bench(""));
         let mut bench = bench("");
         execute(&mut bench, &format!("MDCC(CS1, A, D, Command, {NOMINAL});"));

@@ -4,7 +4,7 @@ use arcline_geometry::{Point, nearest, rotation};
 use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::motion_status::COORDINATED_MOTION_STATUS;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::random::Random;
+use arcline_tests::random::{Random, is_long};
 use arcline_tests::robots::{DELTA, RobotMachine, SIX_AXES};
 
 /// X, Y, Z at 1000 units/s and 10000 units/s²; Rx, Ry, Rz at 90 degrees/s and 900 degrees/s².
@@ -452,7 +452,9 @@ fn a_master_drives_both_parts() {
 /// Both parts end exactly and together, within their limits, at every update period alike.
 #[test]
 fn any_two_path_moves() {
-    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(6, |text| text.parse().expect("a number of cases"));
+    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(if is_long() { 6 } else { 2 }, |text| {
+        text.parse().expect("a number of cases")
+    });
     for seed in 0..cases {
         let mut random = Random(seed);
         let points = [(); 2].map(|()| {

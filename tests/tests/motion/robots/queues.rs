@@ -4,7 +4,7 @@
 use arcline_geometry::{Point, angular_rates, nearest};
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
-use arcline_tests::random::Random;
+use arcline_tests::random::{Random, is_long};
 use arcline_tests::robots::{DELTA_J1J2J3J6, RobotMachine};
 
 use super::paths::{MACHINE, MOVE, bench_of, dynamics, position};
@@ -129,7 +129,7 @@ fn sequence(kinds: &str, period: f64) {
 #[test]
 fn every_sequence_of_four_moves_keeps_the_orientation_it_came_to() {
     let kinds = ['a', 'b', '1', '4', '6'];
-    for number in 0..625_usize {
+    for number in (0..625_usize).step_by(if is_long() { 1 } else { 7 }) {
         let kinds: String = [125, 25, 5, 1].map(|unit| kinds[number / unit % 5]).iter().collect();
         sequence(&kinds, 4.0);
     }
@@ -138,7 +138,7 @@ fn every_sequence_of_four_moves_keeps_the_orientation_it_came_to() {
 #[test]
 fn longer_sequences_of_all_termination_types() {
     let kinds = ['a', 'b', 'b', 'g', '0', '1', '2', '3', '4', '5', '6'];
-    for seed in 0..200 {
+    for seed in 0..if is_long() { 200 } else { 30 } {
         let mut random = Random(seed);
         let kinds: String = (0..5 + random.below(4)).map(|_| *random.one_of(&kinds)).collect();
         sequence(&kinds, *random.one_of(&[1.0, 2.0, 4.0]));
@@ -506,7 +506,7 @@ fn a_master_that_is_lost_in_a_blend_brakes_each_part_with_its_own_rates() {
 
 #[test]
 fn half_a_turn_goes_about_the_positive_axis_from_everywhere() {
-    for number in -24..24 {
+    for number in (-24..24).step_by(if is_long() { 1 } else { 3 }) {
         let from = 7.5 * f64::from(number);
         for (axis, name) in [(5, "RZ"), (3, "RX")] {
             let mut bench = bench_of(MACHINE);
@@ -529,7 +529,9 @@ fn half_a_turn_goes_about_the_positive_axis_from_everywhere() {
 
 #[test]
 fn angles_go_on_without_a_whole_turn_at_once() {
-    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(60, |text| text.parse().expect("a number of cases"));
+    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(if is_long() { 60 } else { 10 }, |text| {
+        text.parse().expect("a number of cases")
+    });
     for seed in 0..=cases {
         let mut random = Random(seed);
         let [first, second] = [(); 2].map(|()| {

@@ -17,6 +17,8 @@ use arcline_tests::random::{Random, seeds};
 use bounds::{Beside, Coasting, Dynamics, PERIOD, at_most};
 
 const FASTEST: f64 = 200.0;
+/// A move that is slower continues at a present speed, units/s: programmed are 10 and more.
+const SLOWEST: f64 = 1.0;
 
 /// The contents of a program.
 #[derive(Clone, Copy, PartialEq)]
@@ -266,12 +268,8 @@ impl Program {
             };
             match scope {
                 Some(scope) => {
-                    let pending = |bench: &Bench, tag: &str| {
-                        let control = bench.control(tag);
-                        control.has(Flag::Ip) && (scope == 1 || control.has(Flag::Ac))
-                    };
                     for (tag, dynamics) in &mut self.moves {
-                        if pending(&self.bench, tag) {
+                        if is_changed(&self.bench, tag, scope) {
                             change(dynamics);
                         }
                     }
@@ -301,11 +299,11 @@ impl Program {
                 Some(scope) => format!("0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {scope}"),
                 None => "0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0".to_owned(),
             };
-            self.execute(&format!("{call}, 1, 60, {rest})"));
+            let resumed = self.execute(&format!("{call}, 1, 60, {rest})"));
             self.coasting = None;
             self.largest[kind] = self.largest[kind].max(60.0);
-            for (_, dynamics) in &mut self.moves {
-                if scope.is_some() {
+            for (tag, dynamics) in &mut self.moves {
+                if resumed && scope.is_some_and(|scope| is_changed(&self.bench, tag, scope)) {
                     dynamics.changed(60.0, None, None);
                 }
             }
@@ -396,7 +394,12 @@ impl Program {
                 let call = format!("MAJ(X, {tag}, {direction}, {}, 1, {current})", text(&dynamics));
                 if self.execute(&call) {
                     let mut whole = dynamics;
-                    of_the_whole_change(JOG, &mut whole, from);
+                    if current == 1 {
+                        whole.speed = from.velocity;
+                    }
+                    if current == 0 || backwards == (velocity > 0.0) {
+                        of_the_whole_change(JOG, &mut whole, from);
+                    }
                     self.alone = Some((JOG, whole));
                     self.turning(&call, before, from, backwards == (velocity > 0.0));
                     self.again(&call, &tag, current);
@@ -568,7 +571,14 @@ impl Program {
         self.largest[0] = self.largest[0].max(100.0);
         self.harder(0, 2000.0);
         (self.equal, self.coasting, self.beside) = (None, None, None);
-        for _ in 0..120_000 {
+        for tick in 0..120_000 {
+            // So does one that continues at the present speed of the moves of its axis beside coordinated motion that was faster.
+            for axis in ["X", "Y"].into_iter().filter(|_| tick == 60_000) {
+                let speed = self.bench.axis(axis).command[1].abs();
+                if self.kind == Kind::Superposed && speed > 0.0 && speed < SLOWEST {
+                    self.execute(&format!("MAS({axis}, {tag}M, 2, 1, 500, 0, 1, 100, 2)"));
+                }
+            }
             let still = ["X", "Y"].iter().all(|axis| self.bench.axis(axis).command[1] == 0.0);
             if still && self.bench.system("XY").status & 4 == 0 {
                 return;
@@ -577,6 +587,12 @@ impl Program {
         }
         panic!("it does not end");
     }
+}
+
+/// MCCD with a scope changes the move of a tag.
+fn is_changed(bench: &Bench, tag: &str, scope: u64) -> bool {
+    let control = bench.control(tag);
+    control.has(Flag::Ip) && (scope == 1 || control.has(Flag::Ac))
 }
 
 /// Jerks in percent of time of a jog are of the whole change of its velocity (spec/axis-and-data-types.md §10.3).
