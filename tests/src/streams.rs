@@ -333,6 +333,7 @@ fn numbered(paths: Vec<Path>, speed: f64, tolerance: f64, jerk: Option<f64>) -> 
             rotation: None,
             corner: f64::INFINITY,
             limits,
+            last_speed: limits.speed,
             ending: if data + 1 == count {
                 Ending::Stop
             } else {

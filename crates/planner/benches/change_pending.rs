@@ -25,6 +25,7 @@ fn deep(clock: &Clock) -> Planner<Data> {
             path: Path::line(at(piece), at(piece + 1)),
             rotation: None,
             corner: f64::INFINITY,
+            last_speed: 1.0,
             limits: Limits {
                 speed: 200.0,
                 acceleration: (1000 + piece % 5) as f64,

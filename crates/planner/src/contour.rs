@@ -208,7 +208,11 @@ impl<T: Copy> ContourQueue<T> {
             run.passed += 1;
         }
         self.plans = self.plans.wrapping_add(1);
-        self.moves.pop_front()
+        let passed = self.moves.pop_front();
+        if self.moves.front().is_some_and(|active| active.limits.speed == 0.0) {
+            self.change_pace(clock);
+        }
+        passed
     }
 
     /// The active move's data, mutable.

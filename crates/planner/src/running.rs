@@ -20,12 +20,30 @@ pub struct Move<T> {
     pub corner: f64,
     /// Limits of the speed along the path and of its derivatives.
     pub limits: Limits,
+    /// The last speed of `limits` that was not 0: a contour is planned for it while the move stands.
+    pub last_speed: f64,
     /// The kind of its end, if it has a successor.
     pub ending: Ending,
     /// The variable that it is a function of.
     pub parameter: Parameter,
     /// The owner's own data.
     pub data: T,
+}
+
+impl<T> Move<T> {
+    /// One contour may lead from it into the next move: both are functions of the same variable, and the next one does not stand where this one moves.
+    pub(crate) fn leads_into(&self, next: &Move<T>) -> bool {
+        let stands = next.limits.speed == 0.0 && self.limits.speed > 0.0;
+        self.ending != Ending::Stop && self.parameter == next.parameter && !stands
+    }
+
+    /// Changes its limits; a speed of 0 leaves the last speed as it was.
+    pub(crate) fn set_limits(&mut self, limits: Limits) {
+        self.limits = limits;
+        if limits.speed > 0.0 {
+            self.last_speed = limits.speed;
+        }
+    }
 }
 
 /// The variable of a move: time, or one of the master displacements that its owner numbers. All clocks passed to a planner show that of its

@@ -180,6 +180,7 @@ impl<T: Copy> Travel<T> {
         match &mut self.contour {
             Some(contour) => {
                 motion.limits = motion.parameter.in_time(&motion.limits);
+                motion.last_speed *= motion.parameter.speed;
                 contour.push(motion, &base.time)
             }
             None => self.planner.enqueue(motion, &base.clock()),

@@ -46,6 +46,7 @@ fn moves(s_curve: bool) -> Vec<Move<usize>> {
         rotation: None,
         corner: f64::INFINITY,
         limits: limits(s_curve).0,
+        last_speed: limits(s_curve).0.speed,
         ending: if number + 2 == corners.len() {
             Ending::Stop
         } else {

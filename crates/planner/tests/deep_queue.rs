@@ -29,6 +29,7 @@ fn queue(limits: impl Fn(usize) -> Limits) -> (Planner<usize>, Clock) {
             rotation: None,
             corner: f64::INFINITY,
             limits: limits(data),
+            last_speed: limits(data).speed,
             ending: Ending::Contour { constrained: true },
             parameter: Parameter::TIME,
             data,

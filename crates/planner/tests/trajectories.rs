@@ -30,6 +30,7 @@ fn stopping(path: Path, limits: Limits) -> Move<()> {
         rotation: None,
         corner: f64::INFINITY,
         limits,
+        last_speed: limits.speed,
         ending,
         parameter: Parameter::TIME,
         data: (),

@@ -239,6 +239,7 @@ impl Verified {
             rotation: self.rotation,
             corner: self.joints.corner,
             limits: self.dynamics.limits(),
+            last_speed: self.dynamics.last_speed,
             ending: self.ending,
             parameter,
             data: Planned {

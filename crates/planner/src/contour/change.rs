@@ -48,8 +48,13 @@ impl<T: Copy> ContourQueue<T> {
                 break;
             };
             let wanted = motion.limits;
+            // It stands where it begins: the rest of the trajectory is planned anew without it.
+            if move_index > 0 && wanted.speed == 0.0 && self.moves[0].limits.speed > 0.0 {
+                stale = true;
+                break;
+            }
             let own = wanted.jerk.map(least);
-            let own_speed = requests::planned_speed(wanted.speed, rate);
+            let own_speed = requests::planned_speed(motion, rate);
             stale |= (own_speed / planned.speed - 1.0).abs() > SAME_SHARE;
             target = share_of(target, self.rate * wanted.speed / planned.speed);
             let shares = [
@@ -65,6 +70,11 @@ impl<T: Copy> ContourQueue<T> {
         }
         run.stale = stale;
         run.changed = clock.now();
+        let stands = self.moves.front().is_some_and(|first| first.limits.speed == 0.0);
+        run.stood |= stands && run.is_at_its_beginning(clock);
+        if !stands && run.waits(clock) {
+            return;
+        }
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
         let rates = run.trajectory.least_rates();
         let (rate, jerk) = (rates.acceleration.min(rates.deceleration), rates.jerk);

@@ -85,14 +85,16 @@ impl<T: Copy> ContourQueue<T> {
         }
         let extends = match &self.run {
             None => {
-                let first = self.moves.front().map(|motion| motion.parameter);
-                let goes_on = |motion: &Move<T>| motion.ending != Ending::Stop && Some(motion.parameter) == first;
-                let open = !self.is_full() && self.moves.iter().all(goes_on);
+                let last_goes_on = self.moves.back().is_some_and(|last| last.ending != Ending::Stop);
+                let pairs = self.moves.iter().zip(self.moves.iter().skip(1));
+                let open =
+                    !self.is_full() && last_goes_on && pairs.into_iter().all(|(motion, next)| motion.leads_into(next));
                 if open && self.is_gathering(time) {
                     return None;
                 }
                 None
             }
+            Some(run) if self.moves[0].limits.speed > 0.0 && run.waits(clock) => None,
             Some(run) => Some(self.extension(run, clock, time)?),
         };
         let as_planned = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
@@ -169,8 +171,7 @@ impl<T: Copy> ContourQueue<T> {
         let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
         let many = waiting * few >= planned;
         let near = left <= NEAR_S && !self.is_growing(time);
-        let goes_on = last.ending != Ending::Stop && last.parameter == next.parameter;
-        (goes_on && (many || near)).then(|| ask(None))
+        (last.leads_into(next) && (many || near)).then(|| ask(None))
     }
 
     /// The override for which moves are planned: 1 if a move is too long to be planned anew when the override rises again.
@@ -208,7 +209,7 @@ impl<T: Copy> ContourQueue<T> {
             };
             let planned = running.and_then(|run| run.trajectory.rates(run.passed + move_index));
             let own = planned.copied().unwrap_or(Rates {
-                speed: planned_speed(motion.limits.speed, rate),
+                speed: planned_speed(motion, rate),
                 acceleration: motion.limits.acceleration,
                 deceleration: motion.limits.deceleration,
                 jerk: motion.limits.jerk.map(least),
@@ -223,7 +224,7 @@ impl<T: Copy> ContourQueue<T> {
                 deviation: self.deviation,
             });
             let next = self.moves.get(move_index + 1);
-            if last || next.is_some_and(|next| next.parameter != motion.parameter) {
+            if last || next.is_some_and(|next| !motion.leads_into(next)) {
                 break;
             }
         }
@@ -247,10 +248,20 @@ impl<T: Copy> ContourQueue<T> {
         match asked {
             PlanRequest::Contour => match planned {
                 Some(plan) if plan.moves() <= self.moves.len() => {
+                    let before = self.run.take();
                     self.start(plan, clock);
-                    Ok(InstalledPlan::Started)
+                    Ok(before.map_or(InstalledPlan::Started, |before| {
+                        InstalledPlan::Extended(before.trajectory)
+                    }))
                 }
-                unwanted => Err(unwanted),
+                unwanted => {
+                    // The trajectory that stands is travelled as it is.
+                    if let Some(run) = &mut self.run {
+                        run.stood = false;
+                    }
+                    self.change_pace(clock);
+                    Err(unwanted)
+                }
             },
             PlanRequest::Extension { passed } => self.extend(passed, None, planned, clock),
             PlanRequest::Anew { passed, pace } => self.extend(passed, Some(pace), planned, clock),
@@ -268,6 +279,7 @@ impl<T: Copy> ContourQueue<T> {
             gone: (0.0, 0.0),
             rounded: 0.0,
             stale: false,
+            stood: false,
             changed: clock.now(),
             state: RunState::Travelling,
             planning_s: PLANNING_S,
@@ -334,10 +346,11 @@ impl<T: Copy> ContourQueue<T> {
     }
 }
 
-/// The speed for which a move is planned; a held move is planned at full speed, with a pace of 0.
-pub(super) fn planned_speed(speed: f64, rate: f64) -> f64 {
+/// The speed for which a move is planned; a move that is held, or whose speed was changed to 0, is planned at full speed, with a pace of 0.
+pub(super) fn planned_speed<T>(motion: &Move<T>, rate: f64) -> f64 {
     let rate = if rate > 0.0 { rate.max(LEAST_PACE_SHARE) } else { 1.0 };
-    if speed > 0.0 { speed * rate } else { 1.0 }
+    let speed = motion.limits.speed;
+    rate * if speed > 0.0 { speed } else { motion.last_speed }
 }
 
 /// The use of a plan.

@@ -29,7 +29,7 @@ impl<T: Copy> ContourQueue<T> {
         };
         match self.moves.front() {
             None => self.open_end = Some(time.now()),
-            Some(next) if next.parameter == last.parameter => {
+            Some(next) if last.leads_into(next) => {
                 self.rests.unplanned = self.rests.unplanned.wrapping_add(1);
             }
             Some(_) => {}

@@ -10,7 +10,7 @@ use arcline_profile::{Jerk, KinematicState, Phase};
 
 use super::pace::Pace;
 use crate::tolerance::{RIPPLE_S, SAME_INSTANT_S, STEADY_SHARE};
-use crate::{Instant, Sample};
+use crate::{Clock, Instant, Sample};
 
 /// A requested plan.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +47,8 @@ pub(super) struct RunningTrajectory {
     pub(super) pace: Pace,
     /// Its moves have changed since it was planned.
     pub(super) stale: bool,
+    /// Its first move stood at its beginning: its speed was 0.
+    pub(super) stood: bool,
     /// The instant of that change.
     pub(super) changed: Instant,
     pub(super) state: RunState,
@@ -70,6 +72,18 @@ pub(super) enum RunState {
 }
 
 impl RunningTrajectory {
+    /// Nothing of it has been travelled.
+    pub(super) fn is_at_its_beginning(&self, clock: &Clock) -> bool {
+        let at = self.pace.at(clock);
+        self.passed == 0 && at.position == 0.0 && at.velocity == 0.0
+    }
+
+    /// It waits at its beginning for a plan from rest with the speed that its first move, which stood, has now. A plan for another speed would be
+    /// travelled at a pace whose square scales the acceleration.
+    pub(super) fn waits(&self, clock: &Clock) -> bool {
+        self.stood && self.stale && self.is_at_its_beginning(clock)
+    }
+
     /// The motion of the coordinate system at an instant of the trajectory's own time and a pace.
     pub(super) fn at(&self, pace: KinematicState) -> Sample {
         let duration = self.trajectory.duration();

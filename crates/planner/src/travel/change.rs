@@ -27,7 +27,7 @@ impl<T: Copy> Travel<T> {
         if let Some(contour) = &mut self.contour {
             for waiting in contour.moves_mut().skip(active) {
                 change(waiting);
-                waiting.limits = waiting.parameter.in_time(&waiting.limits);
+                waiting.set_limits(waiting.parameter.in_time(&waiting.limits));
             }
         }
         self.planner.change_pending(limits, &base.clock(), change);
@@ -39,7 +39,7 @@ impl<T: Copy> Travel<T> {
         match self.contour_in_force_mut() {
             Some(contour) => {
                 if let Some(active) = contour.moves_mut().next() {
-                    active.limits = active.parameter.in_time(&limits);
+                    active.set_limits(active.parameter.in_time(&limits));
                 }
                 contour.change(&clock);
             }

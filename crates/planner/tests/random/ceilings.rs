@@ -25,6 +25,7 @@ fn straight(limits: Limits) -> Move<()> {
         rotation: None,
         corner: f64::INFINITY,
         limits,
+        last_speed: limits.speed,
         ending: Ending::Stop,
         parameter: Parameter::TIME,
         data: (),

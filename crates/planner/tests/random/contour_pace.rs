@@ -58,6 +58,7 @@ fn moves(random: &mut Random, s_curve: bool) -> Vec<Move<usize>> {
                 rotation: None,
                 corner: f64::INFINITY,
                 limits: rates,
+                last_speed: rates.speed,
                 ending: if last || random.share() < 0.05 {
                     Ending::Stop
                 } else {

@@ -104,6 +104,7 @@ fn travel(seed: u64) {
         rotation: None,
         corner: f64::INFINITY,
         limits,
+        last_speed: limits.speed,
         ending: Ending::Stop,
         parameter: Parameter::TIME,
         data: (),

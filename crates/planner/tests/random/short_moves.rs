@@ -116,6 +116,7 @@ fn program(random: &mut Random) -> Program {
                 rotation: None,
                 corner: f64::INFINITY,
                 limits: if same { common } else { limits(random, s_curve) },
+                last_speed: common.speed,
                 ending: if data + 1 == count {
                     Ending::Stop
                 } else {

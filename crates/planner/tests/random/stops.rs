@@ -52,6 +52,7 @@ fn queue(random: &mut Random) -> Vec<Move<usize>> {
                 rotation: None,
                 corner: f64::INFINITY,
                 limits: limits(random),
+                last_speed: 1.0,
                 ending: random.of(&ENDINGS),
                 parameter: Parameter::TIME,
                 data,

@@ -196,6 +196,7 @@ impl<'k> Storm<'k> {
                     rotation: None,
                     corner: f64::INFINITY,
                     limits,
+                    last_speed: limits.speed,
                     ending: random.of(kind.endings),
                     parameter: Parameter::TIME,
                     data,

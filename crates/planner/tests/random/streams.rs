@@ -79,6 +79,7 @@ fn legs(kind: &Kind, random: &mut Random, count: usize, s_curve: bool) -> Vec<Mo
                 rotation: None,
                 corner: f64::INFINITY,
                 limits: rates,
+                last_speed: rates.speed,
                 ending: if data + 1 == count {
                     Ending::Stop
                 } else {

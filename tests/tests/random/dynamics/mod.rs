@@ -394,11 +394,17 @@ impl Program {
                 let call = format!("MAJ(X, {tag}, {direction}, {}, 1, {current})", text(&dynamics));
                 if self.execute(&call) {
                     let mut whole = dynamics;
+                    // The call takes effect within a tick or two.
+                    let present = KinematicState {
+                        velocity: from.velocity + 2.0 * PERIOD * from.acceleration.max(0.0),
+                        ..from
+                    };
                     if current == 1 {
-                        whole.speed = from.velocity;
+                        // The jerk of the acceleration is that of the instruction's own speed.
+                        whole.speed = whole.speed.max(present.velocity);
                     }
                     if current == 0 || backwards == (velocity > 0.0) {
-                        of_the_whole_change(JOG, &mut whole, from);
+                        of_the_whole_change(JOG, &mut whole, present);
                     }
                     self.alone = Some((JOG, whole));
                     self.turning(&call, before, from, backwards == (velocity > 0.0));
