@@ -1,7 +1,7 @@
 //! The properties of random motion; its seed reproduces a case.
 //!
 //! `ARCLINE_CASES` sets how many cases of each kind are run, `ARCLINE_SEED` the first (0). Without them `ARCLINE_LONG` runs the number
-//! that stands in the test (`.ci/run campaigns`), and a plain `cargo test` a tenth of it. Of kinds whose cases take long a stated
+//! that stands in the test (`.ci/run campaigns`), and a plain `cargo test` a twentieth of it. Of kinds whose cases take long a stated
 //! share is run: a night of 100,000 cases (`tests/nightly`) ends by the morning.
 #![allow(missing_docs)]
 
@@ -14,7 +14,12 @@ mod stops;
 mod storms;
 mod streams;
 
-/// The seeds of so many cases, of a tenth of them, or of as many as are asked for.
+/// `ARCLINE_LONG` is set: tests run all of their cases.
+fn is_long() -> bool {
+    std::env::var_os("ARCLINE_LONG").is_some()
+}
+
+/// The seeds of so many cases, of a twentieth of them, or of as many as are asked for.
 fn seeds(long: u64) -> std::ops::Range<u64> {
     seeds_of_long(long, 1)
 }
@@ -23,11 +28,7 @@ fn seeds(long: u64) -> std::ops::Range<u64> {
 fn seeds_of_long(long: u64, weight: u64) -> std::ops::Range<u64> {
     let set = |name: &str| std::env::var(name).ok().and_then(|number| number.parse::<u64>().ok());
     let first = set("ARCLINE_SEED").unwrap_or(0);
-    let usual = if std::env::var_os("ARCLINE_LONG").is_some() {
-        long
-    } else {
-        long.div_ceil(10)
-    };
+    let usual = if is_long() { long } else { long.div_ceil(20) };
     let count = set("ARCLINE_CASES").map_or(usual, |count| (count / weight).max(1));
     first..first + count
 }
