@@ -48,9 +48,8 @@ impl<T: Copy> ContourQueue<T> {
                 break;
             };
             let wanted = motion.limits;
-            // It stands where it begins: the rest of the trajectory is planned anew without it.
+            // It does not hold the moves before it: it brakes when it is the active one ([`ContourQueue::pass`]).
             if move_index > 0 && wanted.speed == 0.0 && self.moves[0].limits.speed > 0.0 {
-                stale = true;
                 break;
             }
             let own = wanted.jerk.map(least);

@@ -85,10 +85,9 @@ impl<T: Copy> ContourQueue<T> {
         }
         let extends = match &self.run {
             None => {
-                let last_goes_on = self.moves.back().is_some_and(|last| last.ending != Ending::Stop);
-                let pairs = self.moves.iter().zip(self.moves.iter().skip(1));
-                let open =
-                    !self.is_full() && last_goes_on && pairs.into_iter().all(|(motion, next)| motion.leads_into(next));
+                let mut joints = self.moves.iter().zip(self.moves.iter().skip(1));
+                let ends = self.moves.back().is_some_and(|last| last.ending == Ending::Stop);
+                let open = !self.is_full() && !ends && joints.all(|(before, next)| before.leads_into(next));
                 if open && self.is_gathering(time) {
                     return None;
                 }

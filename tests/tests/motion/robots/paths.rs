@@ -449,13 +449,17 @@ fn a_master_drives_both_parts() {
     }
 }
 
+/// The number of cases of a test: as `ARCLINE_PATH_CASES` says, or that of a long run, or of a plain one.
+pub(super) fn path_cases(long: u64, plain: u64) -> u64 {
+    std::env::var("ARCLINE_PATH_CASES").map_or(if is_long() { long } else { plain }, |text| {
+        text.parse().expect("a number of cases")
+    })
+}
+
 /// Both parts end exactly and together, within their limits, at every update period alike.
 #[test]
 fn any_two_path_moves() {
-    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(if is_long() { 6 } else { 2 }, |text| {
-        text.parse().expect("a number of cases")
-    });
-    for seed in 0..cases {
+    for seed in 0..path_cases(6, 2) {
         let mut random = Random(seed);
         let points = [(); 2].map(|()| {
             let mut within = |bound: f64| f64::from(random.between(-bound, bound) as f32);

@@ -7,7 +7,7 @@ use arcline_tests::bench::{Bench, OK};
 use arcline_tests::random::{Random, is_long};
 use arcline_tests::robots::{DELTA_J1J2J3J6, RobotMachine};
 
-use super::paths::{MACHINE, MOVE, bench_of, dynamics, position};
+use super::paths::{MACHINE, MOVE, bench_of, dynamics, path_cases, position};
 
 const AXES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 /// The operands from Speed on, of the moves of `bench_of`: a trapezoid.
@@ -529,10 +529,7 @@ fn half_a_turn_goes_about_the_positive_axis_from_everywhere() {
 
 #[test]
 fn angles_go_on_without_a_whole_turn_at_once() {
-    let cases = std::env::var("ARCLINE_PATH_CASES").map_or(if is_long() { 60 } else { 10 }, |text| {
-        text.parse().expect("a number of cases")
-    });
-    for seed in 0..=cases {
+    for seed in 0..=path_cases(60, 10) {
         let mut random = Random(seed);
         let [first, second] = [(); 2].map(|()| {
             let mut within = |bound: f64| f64::from(random.between(-bound, bound) as f32);

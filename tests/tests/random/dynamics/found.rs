@@ -1,4 +1,4 @@
-//! Programs that random ones have found: their velocity stepped.
+//! Programs that random ones have found, and their kin.
 
 use arcline_instruction_set::Flag;
 use arcline_tests::bench::{Bench, OK};
@@ -225,28 +225,30 @@ fn a_chain_of_merges_at_the_present_speed_keeps_the_bound_of_one() {
     }
 }
 
+/// A line of XY to a position with a trapezoid.
+fn line(tag: &str, to: [f64; 2], speed: f64, termination: u32) -> String {
+    format!("MCLM(XY, {tag}, 0, {to:?}, {speed}, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, {termination}, 0, 0, 5)")
+}
+
+/// MCCD of XY that changes the speed of the active move, or of the pending ones too (scope 1).
+fn change_speed(bench: &mut Bench, tag: &str, speed: u32, scope: u32) {
+    let call = format!("MCCD(XY, {tag}, 1, 1, {speed}, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {scope})");
+    assert_eq!(bench.call(&call), OK);
+}
+
 #[test]
 fn a_move_that_stands_when_its_contour_is_planned_takes_its_speed_later() {
     // A change of active and pending moves to 0 holds the second one before it is planned; random programs found it at 1 unit/s for ever.
     let mut bench = on_contours();
-    let line = |tag: &str, x: f64| {
-        format!("MCLM(XY, {tag}, 0, [{x}, 0], 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 1, 0, 0, 5)")
-    };
-    assert_eq!(bench.call(&line("M1", 10.0)), OK);
+    assert_eq!(bench.call(&line("M1", [10.0, 0.0], 100.0, 1)), OK);
     bench.run(20);
-    assert_eq!(bench.call(&line("M2", 110.0)), OK);
+    assert_eq!(bench.call(&line("M2", [110.0, 0.0], 100.0, 1)), OK);
     bench.run(150);
-    assert_eq!(
-        bench.call("MCCD(XY, C1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)"),
-        OK
-    );
+    change_speed(&mut bench, "C1", 0, 1);
     bench.run(500);
     let held = bench.position("X");
     assert!(held < 109.0 && bench.axis("X").command[1] == 0.0, "at {held}");
-    assert_eq!(
-        bench.call("MCCD(XY, C2, 1, 1, 50, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)"),
-        OK
-    );
+    change_speed(&mut bench, "C2", 50, 1);
     bench.run(((110.0 - held) / 50.0 * 1000.0) as u64 + 150);
     assert!(bench.control("M2").has(Flag::Pc), "{}", bench.bits("M2"));
     assert_eq!(bench.position("X"), 110.0);
@@ -255,11 +257,8 @@ fn a_move_that_stands_when_its_contour_is_planned_takes_its_speed_later() {
 #[test]
 fn a_pending_move_of_speed_0_lets_the_contour_before_it_end() {
     let mut bench = on_contours();
-    let line = |tag: &str, to: [f64; 2], speed: f64| {
-        format!("MCLM(XY, {tag}, 0, {to:?}, {speed}, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 6, 0, 0, 5)")
-    };
-    assert_eq!(bench.call(&line("M1", [50.0, 0.0], 100.0)), OK);
-    assert_eq!(bench.call(&line("M2", [50.0, 40.0], 0.0)), OK);
+    assert_eq!(bench.call(&line("M1", [50.0, 0.0], 100.0, 6)), OK);
+    assert_eq!(bench.call(&line("M2", [50.0, 40.0], 0.0, 6)), OK);
     bench.run(900);
     assert_eq!((bench.position("X"), bench.position("Y")), (50.0, 0.0));
     assert!(
@@ -267,10 +266,7 @@ fn a_pending_move_of_speed_0_lets_the_contour_before_it_end() {
         "{}",
         bench.bits("M2")
     );
-    assert_eq!(
-        bench.call("MCCD(XY, C, 1, 1, 80, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)"),
-        OK
-    );
+    change_speed(&mut bench, "C", 80, 0);
     bench.run(900);
     assert!(bench.control("M2").has(Flag::Pc), "{}", bench.bits("M2"));
     assert_eq!((bench.position("X"), bench.position("Y")), (50.0, 40.0));
@@ -279,34 +275,22 @@ fn a_pending_move_of_speed_0_lets_the_contour_before_it_end() {
 #[test]
 fn a_contour_goes_on_up_to_a_move_that_a_change_left_at_speed_0() {
     let mut bench = on_contours();
-    let line = |tag: &str, to: [f64; 2]| {
-        format!("MCLM(XY, {tag}, 0, {to:?}, 100, 0, 1000, 0, 1000, 0, 0, 100, 100, 2, 6, 0, 0, 5)")
-    };
-    assert_eq!(bench.call(&line("M1", [90.0, 0.0])), OK);
-    assert_eq!(bench.call(&line("M2", [90.0, 90.0])), OK);
+    assert_eq!(bench.call(&line("M1", [90.0, 0.0], 100.0, 6)), OK);
+    assert_eq!(bench.call(&line("M2", [90.0, 90.0], 100.0, 6)), OK);
     bench.run(200);
-    assert_eq!(
-        bench.call("MCCD(XY, C1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)"),
-        OK
-    );
+    change_speed(&mut bench, "C1", 0, 1);
     bench.run(300);
     // The active move alone goes on.
-    assert_eq!(
-        bench.call("MCCD(XY, C2, 1, 1, 50, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)"),
-        OK
-    );
+    change_speed(&mut bench, "C2", 50, 0);
     bench.run(2500);
-    // No plan without the second move was found: it stands when it has braked.
+    // The second move has braked from its beginning on.
     let at = [bench.position("X"), bench.position("Y")];
     assert!(
         (at[0] - 90.0).hypot(at[1]) < 10.0 && bench.axis("Y").command[1] == 0.0,
         "at {at:?}, {}",
         bench.bits("M1")
     );
-    assert_eq!(
-        bench.call("MCCD(XY, C3, 1, 1, 50, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1)"),
-        OK
-    );
+    change_speed(&mut bench, "C3", 50, 1);
     bench.run(2500);
     assert!(bench.control("M2").has(Flag::Pc), "{}", bench.bits("M2"));
     assert_eq!((bench.position("X"), bench.position("Y")), (90.0, 90.0));
