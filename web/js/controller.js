@@ -12,6 +12,8 @@ import { TagPanel } from "./tag_panel.js";
 const PAGE = 50;
 const MOST_LOOKED = 100;
 const SCROLLED_MS = 60;
+/** Between two times of a scan that are shown. */
+const SCAN_MS = 500;
 const RUNG = 92;
 const LINE = 22;
 /** @type {Record<ControllerStatus["state"], [word: string, kind: string]>} */
@@ -42,6 +44,7 @@ export class Controller {
   #marked = null;
   #loading = false;
   #version = 0;
+  #scanAt = -Infinity;
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -108,7 +111,7 @@ export class Controller {
     const may = this.app.store.may("engineer");
     for (const button of this.mode.element.querySelectorAll("button")) button.disabled = !may;
     this.mode.element.title = may ? "" : "An engineer may change the mode";
-    text(this.scan, status.state === "running" ? `Scan ${status.last_us} µs, longest ${status.longest_us} µs` : "");
+    this.#showScan(status);
     const { fault } = status;
     if (fault && this.fault.dataset.text !== fault.text) {
       this.fault.dataset.text = fault.text;
@@ -120,6 +123,17 @@ export class Controller {
     }
     this.#showForces(status);
     this.panel.update(status);
+  }
+
+  /** Nobody reads a time that changes with each status, and each change lays out and paints the page. @param {ControllerStatus} status */
+  #showScan({ state: now, last_us, longest_us }) {
+    if (now !== "running") {
+      this.#scanAt = -Infinity;
+      text(this.scan, "");
+    } else if (performance.now() - this.#scanAt >= SCAN_MS) {
+      this.#scanAt = performance.now();
+      text(this.scan, `Scan ${last_us} µs, longest ${longest_us} µs`);
+    }
   }
 
   /** @param {ControllerStatus} status */
