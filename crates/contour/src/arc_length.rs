@@ -48,25 +48,34 @@ impl Trajectory {
         if from < 0.0 {
             return None;
         }
-        let index = self
+        Some(self.time_at_length(from))
+    }
+
+    /// The time at which the motion has covered a length of its curve from its first knot; its end for more.
+    #[must_use]
+    pub fn time_at_length(&self, wanted: f64) -> f64 {
+        let Some(index) = self
             .arc_lengths
-            .partition_point(|&behind| behind <= from)
-            .checked_sub(1)?;
+            .partition_point(|&behind| behind <= wanted)
+            .checked_sub(1)
+        else {
+            return self.knots.first().map_or(0.0, |first| first.time);
+        };
         let knot = &self.knots[index];
         let Some(next) = self.knots.get(index + 1) else {
-            return Some(knot.time);
+            return knot.time;
         };
-        let wanted = from - self.arc_lengths[index];
+        let wanted = wanted - self.arc_lengths[index];
         let off = |at: f64| (length(knot, at) - wanted, knot.at(at).velocity.norm());
-        let seconds = newton(0.0, next.time - knot.time, MOST_STEPS, off, |step| {
-            step.is_closed(LENGTH_SHARE).then_some(step.next)
-        });
-        Some(knot.time + seconds)
+        knot.time
+            + newton(0.0, next.time - knot.time, MOST_STEPS, off, |step| {
+                step.is_closed(LENGTH_SHARE).then_some(step.next)
+            })
     }
 }
 
 /// Length of the curve over the first seconds of a piece.
-fn length(knot: &Knot, seconds: f64) -> f64 {
+pub(crate) fn length(knot: &Knot, seconds: f64) -> f64 {
     let speed = |share: f64| knot.at(seconds * 0.5 * (1.0 + share)).velocity.norm();
     let sum = POINTS.iter().map(|(at, weight)| weight * (speed(*at) + speed(-at)));
     0.5 * seconds * (MIDDLE * speed(0.0) + sum.sum::<f64>())

@@ -4,6 +4,7 @@
 //! and acceleration are continuous and the limits can be checked exactly at the knots. Units:
 //! position units and seconds.
 
+use crate::arc_length::length;
 use crate::{AxisLimits, ContourMove, Point, Rates};
 
 /// Position, velocity and acceleration of the axes at one instant.
@@ -74,6 +75,12 @@ impl Piece {
     #[must_use]
     pub fn at(&self, t: f64) -> AxesState {
         self.knot.at(t - self.knot.time)
+    }
+
+    /// Length of the curve from its beginning to a time, seconds.
+    #[must_use]
+    pub fn length(&self, t: f64) -> f64 {
+        length(&self.knot, t - self.knot.time)
     }
 
     /// Jerk of the axes, position units / s³.

@@ -13,6 +13,7 @@ mod change;
 mod events;
 mod guard;
 mod pace;
+mod ramp;
 mod requests;
 mod rests;
 mod run;
@@ -23,6 +24,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use arcline_contour::{Deviation, Trajectory};
+use arcline_profile::{DynamicsBits, Limits};
 
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Clock, Instant, Move, QueueFull, Sample};
@@ -37,6 +39,9 @@ pub struct ContourQueue<T> {
     moves: VecDeque<Move<T>>,
     depth: usize,
     deviation: Deviation,
+    dynamics_bits: DynamicsBits,
+    /// The limits of the active move before the change that paused it.
+    paused_from: Option<Limits>,
     run: Option<RunningTrajectory>,
     asked: Option<PlanRequest>,
     generation: u32,
@@ -70,6 +75,8 @@ impl<T: Copy> ContourQueue<T> {
             moves: VecDeque::with_capacity(depth + 1),
             depth,
             deviation: Deviation::Corners,
+            dynamics_bits: DynamicsBits::ALL,
+            paused_from: None,
             run: None,
             asked: None,
             generation: 0,
@@ -87,6 +94,11 @@ impl<T: Copy> ContourQueue<T> {
     #[must_use]
     pub fn deviating(self, deviation: Deviation) -> Self {
         ContourQueue { deviation, ..self }
+    }
+
+    /// Sets the Dynamics Configuration Bits for later stops.
+    pub(crate) fn set_dynamics_bits(&mut self, dynamics_bits: DynamicsBits) {
+        self.dynamics_bits = dynamics_bits;
     }
 
     /// The queue has no room for a further pending move.
@@ -186,7 +198,7 @@ impl<T: Copy> ContourQueue<T> {
     /// The next event at or before the present tick.
     pub fn event(&self, clock: &Clock) -> Option<ContourEvent> {
         let run = self.run.as_ref()?;
-        let now = run.pace.at(clock);
+        let now = run.pace_at(clock);
         if run.state == RunState::Stopping && now.velocity == 0.0 && now.acceleration == 0.0 {
             return Some(ContourEvent::End);
         }
@@ -202,13 +214,14 @@ impl<T: Copy> ContourQueue<T> {
     pub fn pass(&mut self, clock: &Clock) -> Option<Move<T>> {
         if let Some(run) = &mut self.run {
             let own = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
-            run.begun = (run.pace.instant_of(own, clock), own);
+            run.begun = (run.pace.instant_of(own, &run.trajectory, clock), own);
             run.gone = (own, 0.0);
             run.rounded = run.trajectory.rounding(run.passed).map_or(own, |rounding| rounding[1]);
             run.passed += 1;
         }
         self.plans = self.plans.wrapping_add(1);
         let passed = self.moves.pop_front();
+        self.paused_from = None;
         if self.moves.front().is_some_and(|active| active.limits.speed == 0.0) {
             self.change_pace(clock);
         }
@@ -243,7 +256,7 @@ impl<T: Copy> ContourQueue<T> {
     /// The motion is in the rounded corner before or after the active move at the present tick.
     pub fn in_transition(&self, clock: &Clock) -> bool {
         self.run.as_ref().is_some_and(|run| {
-            let own = run.pace.at(clock).position;
+            let own = run.pace_at(clock).position;
             let next = run.trajectory.rounding(run.passed);
             own < run.rounded || next.is_some_and(|[from, to]| from < to && own >= from)
         })
@@ -252,6 +265,6 @@ impl<T: Copy> ContourQueue<T> {
     /// The motion of the coordinate system at the present tick.
     pub fn sample(&self, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
-        Some(run.at(run.pace.at(clock)))
+        Some(run.at(run.pace_at(clock)))
     }
 }

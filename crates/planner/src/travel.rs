@@ -58,6 +58,9 @@ impl<T: Copy> Travel<T> {
     /// Sets the Dynamics Configuration Bits for later instructions.
     pub fn set_dynamics_bits(&mut self, dynamics_bits: DynamicsBits) {
         self.planner.set_dynamics_bits(dynamics_bits);
+        if let Some(contour) = &mut self.contour {
+            contour.set_dynamics_bits(dynamics_bits);
+        }
     }
 
     /// The contour, unless a merged move runs before it.

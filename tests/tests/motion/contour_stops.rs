@@ -2,6 +2,7 @@
 //! move before a contour, by time and led by a master (spec/coordinated-instructions.md §8.3, §15).
 
 use arcline_instruction_set::{FaultKind, Flag};
+use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::random::{is_long, one_or_all};
 
@@ -191,5 +192,64 @@ fn a_driven_contour_needs_as_much_way_to_rest_as_a_superposed_move() {
         });
         let spread = ways.iter().fold(0.0_f64, |most, way| most.max((way - ways[0]).abs()));
         assert!(spread < 1e-3 * ways[0], "master at {speed}: {ways:?}");
+    }
+}
+
+/// A planned contour that accelerates has no jerk to spare: its stop follows the curve as the stop of a single move does.
+#[test]
+fn a_contour_that_accelerates_needs_as_much_way_to_rest_as_a_superposed_move() {
+    let limits = |jerk: f64| Limits {
+        speed: 100.0,
+        acceleration: 2000.0,
+        deceleration: 2000.0,
+        jerk: Some(Jerk {
+            acceleration: jerk,
+            deceleration: jerk,
+        }),
+    };
+    let mcs = Limits {
+        deceleration: 1000.0,
+        ..limits(40_000.0)
+    };
+    for (call, limits) in [
+        ("", limits(40_000.0)),
+        ("MCCD(CS1, C, CoordinatedMove, Yes, 0, Unitspersec)", limits(40_000.0)),
+        ("MCS(CS1, S, 2, 1, 1000, 0, 1, 40000, 0)", mcs),
+    ] {
+        for speed in [5.0, 16.0, 50.0, 84.0] {
+            let row = format!("{call} from {speed}");
+            let mut bench = bench(Kind::Contour);
+            assert_eq!(bench.call(&line(false, "M1", [120.0, 0.0], "1, 0, 0")), OK);
+            while bench.axis("X").command[1] < speed {
+                bench.tick();
+            }
+            let [_, velocity, acceleration] = bench.axis("X").command;
+            assert!(acceleration > 500.0, "{row}: it accelerates");
+            if call.is_empty() {
+                bench.set_override("CS1", 0.0);
+            } else {
+                assert_eq!(bench.call(call), OK, "{row}");
+            }
+            let commands = stopped(&mut bench, &row);
+            verify(&commands, 40_000.0, &row);
+            let way = commands[commands.len() - 1][0][0] - commands[0][0][0];
+            let from = KinematicState {
+                position: 0.0,
+                velocity,
+                acceleration,
+            };
+            // It begins with the next update.
+            let first = PERIOD * (velocity + PERIOD * acceleration);
+            let later = KinematicState {
+                velocity: velocity + PERIOD * acceleration,
+                ..from
+            };
+            let most = first + Profile::stop(later, &limits).reach();
+            let least = Profile::stop(from, &limits).reach();
+            assert!(
+                (0.999 * least..=1.001 * most).contains(&way),
+                "{row}: {way}, not {least} to {most}"
+            );
+        }
     }
 }

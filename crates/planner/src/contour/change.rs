@@ -4,7 +4,9 @@
 
 use arcline_profile::Limits;
 
+use super::guard::Extra;
 use super::pace::PaceRequest;
+use super::ramp::StopRequest;
 use super::run::{PlanRequest, RunState, least};
 use super::{ContourQueue, requests};
 use crate::tolerance::SAME_SHARE;
@@ -16,6 +18,21 @@ impl<T: Copy> ContourQueue<T> {
         self.rate = rate;
         if matches!(self.asked, Some(PlanRequest::Anew { .. })) {
             self.asked = None;
+        }
+        self.change(clock);
+    }
+
+    /// Gives the active move new limits, from the present tick on.
+    pub fn change_limits(&mut self, limits: Limits, clock: &Clock) {
+        self.asked = None;
+        if let Some(active) = self.moves.front_mut() {
+            // A pause brakes no gentler than before the change that asked for it.
+            if limits.speed > 0.0 {
+                self.paused_from = None;
+            } else if active.limits.speed > 0.0 {
+                self.paused_from = Some(active.limits);
+            }
+            active.set_limits(limits);
         }
         self.change(clock);
     }
@@ -37,7 +54,7 @@ impl<T: Copy> ContourQueue<T> {
 
     /// Asks for a pace of at most 1 at which every move is within its speed and rates.
     pub(super) fn change_pace(&mut self, clock: &Clock) {
-        let rate = self.planned_rate();
+        let (rate, dynamics_bits) = (self.planned_rate(), self.dynamics_bits);
         let Some(run) = self.run.as_mut().filter(|run| run.state == RunState::Travelling) else {
             return;
         };
@@ -75,6 +92,13 @@ impl<T: Copy> ContourQueue<T> {
             return;
         }
         let speed = run.trajectory.peaks().speed.max(f64::MIN_POSITIVE);
+        let stop = self.moves.front().map(|active| StopRequest {
+            limits: active.limits,
+            other: self.paused_from.filter(|_| dynamics_bits.overshoot),
+            before: run.limits(),
+            dynamics_bits,
+        });
+        let stop = stop.filter(|_| target == 0.0);
         let rates = run.trajectory.least_rates();
         let (rate, jerk) = (rates.acceleration.min(rates.deceleration), rates.jerk);
         let wanted = PaceRequest {
@@ -82,7 +106,8 @@ impl<T: Copy> ContourQueue<T> {
             rate: rate / speed,
             jerk: jerk.map(|jerk| jerk / speed),
             near: Some((rate, jerk)),
-            extra: [0.0; 2],
+            stop,
+            extra: stop.map_or(Extra::NONE, |stop| stop.extra(run.trajectory.move_end(run.passed))),
         };
         run.pace.ask(wanted, &run.trajectory, clock);
         self.plans = self.plans.wrapping_add(1);
@@ -102,17 +127,30 @@ impl<T: Copy> ContourQueue<T> {
     /// Brakes on the path from the present tick on, as fast as the limits of the axes permit. The caller ends the moves.
     pub fn stop(&mut self, limits: &Limits, clock: &Clock) {
         self.asked = None;
+        let dynamics_bits = self.dynamics_bits;
         let Some(run) = &mut self.run else {
             return;
         };
-        let speed = run.speed_of_a_stop(run.pace.at(clock).position, limits);
+        let before = run.limits();
+        let stop = StopRequest {
+            // The stop has the profile of the active move.
+            limits: Limits {
+                jerk: before.jerk.and(limits.jerk),
+                ..*limits
+            },
+            other: None,
+            before,
+            dynamics_bits,
+        };
+        let speed = run.speed_of_a_stop(run.pace_at(clock).position, limits);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration);
         let wanted = PaceRequest {
             target: 0.0,
             rate: limits.deceleration / speed,
             jerk: jerk.map(|jerk| jerk / speed),
             near: None,
-            extra: [limits.deceleration, jerk.unwrap_or(0.0)],
+            stop: Some(stop),
+            extra: stop.extra(None),
         };
         run.state = RunState::Stopping;
         run.pace.ask(wanted, &run.trajectory, clock);

@@ -23,9 +23,9 @@ impl<T: Copy> ContourQueue<T> {
             Some(own) => own.max(from),
             None => return EventTime::Passed,
         };
-        match run.pace.until(own, clock) {
+        match run.pace.until(own, &run.trajectory, clock) {
             Some(until) => EventTime::At((begun.elapsed(clock) + until).max(0.0)),
-            None if own <= run.pace.at(clock).position => EventTime::Passed,
+            None if own <= run.pace_at(clock).position => EventTime::Passed,
             None => EventTime::Never,
         }
     }
@@ -35,7 +35,7 @@ impl<T: Copy> ContourQueue<T> {
     pub fn time_left(&self, clock: &Clock) -> Option<f64> {
         let run = self.run.as_ref().filter(|run| run.state != RunState::Stopping)?;
         let end = run.trajectory.move_end(run.passed).unwrap_or(run.trajectory.duration());
-        run.pace.until(end, clock).map(|left| left.max(0.0))
+        run.pace.until(end, &run.trajectory, clock).map(|left| left.max(0.0))
     }
 
     /// The active move, at the present pace target, comes to rest before its end.

@@ -13,6 +13,7 @@
 //! otherwise it samples the sums above knot by knot, in steps so short that the values between them are bounded.
 //! Position units, seconds. Nothing allocates; the work is bounded by [`WORK`].
 
+use super::ramp::{Along, CurveStop, Ramp, least_speed};
 use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
 use arcline_contour::{AxesState as Axes, AxisLimits, Peaks, Piece, Rates, Trajectory};
 use arcline_geometry::Point;
@@ -21,11 +22,38 @@ use arcline_profile::Profile;
 /// The limits of a trajectory that a different pace must keep.
 pub(super) struct Guard<'a> {
     trajectory: &'a Trajectory,
-    /// Vector deceleration and jerk that are permitted in any case: those of a stop.
-    extra: [f64; 2],
+    extra: Extra,
     /// The rows of the axes and, last, of the vector.
     rows: [Row; 4],
     s_curve: bool,
+    /// The least speed along the curve at which a stop there is checked.
+    least_speed: f64,
+}
+
+/// Vector deceleration and jerk that are permitted besides those of the moves: those of a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extra {
+    pub(super) deceleration: f64,
+    pub(super) jerk: f64,
+    /// The instant of the trajectory's own time up to which they are permitted.
+    pub(super) until: f64,
+}
+
+impl Extra {
+    pub(super) const NONE: Extra = Extra {
+        deceleration: 0.0,
+        jerk: 0.0,
+        until: f64::NEG_INFINITY,
+    };
+
+    /// Deceleration and jerk at an instant of the trajectory's own time.
+    fn at(&self, own: f64) -> [f64; 2] {
+        if own <= self.until {
+            [self.deceleration, self.jerk]
+        } else {
+            [0.0; 2]
+        }
+    }
 }
 
 /// Largest magnitudes of velocity and acceleration, and the limits of acceleration and jerk.
@@ -39,15 +67,60 @@ struct Row {
 
 /// The pace, its first and its second derivative.
 #[derive(Clone, Copy)]
-struct Rate {
-    pace: f64,
-    first: f64,
-    second: f64,
+pub(super) struct Rate {
+    pub(super) pace: f64,
+    pub(super) first: f64,
+    pub(super) second: f64,
+}
+
+/// What the sums may exceed a sample by before the next one.
+struct Hidden {
+    acceleration: Point,
+    vector_acceleration: f64,
+    jerk: Point,
+    vector_jerk: f64,
+}
+
+/// The rates of a move, and deceleration and jerk that are permitted besides them.
+struct Permitted<'a> {
+    rates: &'a Rates,
+    extra: [f64; 2],
+}
+
+/// A piece of a trajectory during a stop along the curve.
+struct CurvePiece {
+    piece: Piece,
+    /// Length of the curve from the beginning of the stop to that of the piece.
+    begin: f64,
+}
+
+/// An instant of a stop along the curve.
+struct CurveState {
+    own: f64,
+    axes: Axes,
+    rate: Rate,
+    sums: [Point; 2],
+}
+
+impl CurveState {
+    /// About its own time some seconds later.
+    fn after(&self, seconds: f64) -> f64 {
+        let Rate { pace, first, second } = self.rate;
+        self.own + (pace + (first / 2.0 + second * (seconds / 6.0)) * seconds) * seconds
+    }
+}
+
+/// Acceleration and jerk of the axes.
+fn sums(axes: &Axes, own_jerk: &Point, &Rate { pace, first, second }: &Rate) -> [Point; 2] {
+    [
+        axes.acceleration * (pace * pace) + axes.velocity * first,
+        own_jerk * (pace * pace * pace) + axes.acceleration * (3.0 * pace * first) + axes.velocity * second,
+    ]
 }
 
 impl<'a> Guard<'a> {
-    /// `extra`: vector deceleration and jerk that are permitted besides those of the moves.
-    pub(super) fn new(trajectory: &'a Trajectory, extra: [f64; 2]) -> Self {
+    /// `extra`: rates that are permitted besides those of the moves.
+    pub(super) fn new(trajectory: &'a Trajectory, extra: Extra) -> Self {
         let Peaks {
             velocity, acceleration, ..
         } = trajectory.peaks();
@@ -74,19 +147,26 @@ impl<'a> Guard<'a> {
             extra,
             rows: [row(0), row(1), row(2), vector],
             s_curve: least.jerk.is_some(),
+            least_speed: least_speed(trajectory),
         }
     }
 
-    /// The ramp of the pace, whose position is the trajectory's own time, keeps all limits from `since` (seconds) to its end and, at its final
-    /// pace, from then on. The pace stays within 0 and 1.
-    pub(super) fn allows(&self, ramp: &Profile, since: f64) -> bool {
+    /// The ramp keeps all limits from `since` (seconds) to its end and, at its final pace, from then on. The pace stays within 0 and 1.
+    /// `left`: the samples and examined stretches that are left; a ramp that needs more is not allowed.
+    pub(super) fn allows(&self, ramp: &Ramp, since: f64, left: &mut usize) -> bool {
+        match ramp {
+            Ramp::OwnTime(profile) => self.allows_ramp(profile, since, left),
+            Ramp::Stop(stop) => self.allows_stop(stop, since, left),
+        }
+    }
+
+    fn allows_ramp(&self, ramp: &Profile, since: f64, left: &mut usize) -> bool {
         let times = ramp.segment_times();
         // Between the ends of its segments the pace is monotone.
         let inside = |pace: f64| (-PACE_SHARE..=1.0 + PACE_SHARE).contains(&pace);
         if !inside(ramp.end().velocity) || !times.iter().all(|&t| t < since || inside(ramp.at(t).velocity)) {
             return false;
         }
-        let mut left = WORK;
         for (time_index, &from) in times.iter().enumerate() {
             let from = from.max(since);
             let until = times.get(time_index + 1).copied().unwrap_or(ramp.duration());
@@ -94,7 +174,7 @@ impl<'a> Guard<'a> {
                 continue;
             }
             let segment = RampSegment::new(ramp, from, until - from);
-            match self.allows_segment(&segment, &mut left) {
+            match self.allows_segment(&segment, left) {
                 Verdict::WithinLimits => {}
                 Verdict::Exceeded => return false,
                 Verdict::AtTheEnd => return true,
@@ -183,48 +263,177 @@ impl<'a> Guard<'a> {
         let Some(rates) = self.trajectory.rates(self.trajectory.move_at(own)) else {
             return true;
         };
-        let limits = self.trajectory.axes();
-        let Rate { pace, first, second } = rate;
+        let Rate { first, second, .. } = rate;
+        let extra = self.extra.at(own);
         // The largest deviation of the sums within a step: their second derivative times width², over eight.
         let bend = width * width;
-        let hidden = second.abs() + first * first;
-
-        let acceleration = axes.acceleration * (pace * pace) + axes.velocity * first;
+        let bends = second.abs() + first * first;
         let own_jerk = piece.jerk();
+        let limit_of_axes = self.trajectory.axes().jerk.unwrap_or(Point::repeat(f64::INFINITY));
+        let of_limit = |limit: f64| 2.0 * bend * bends * limit.min(f64::MAX);
+        let hidden = Hidden {
+            acceleration: (own_jerk.abs() * first.abs() + axes.acceleration.abs() * bends) * bend,
+            vector_acceleration: bend * own_jerk.norm() * first.abs(),
+            jerk: limit_of_axes.map(|limit| if limit.is_finite() { of_limit(limit) } else { 0.0 }),
+            vector_jerk: rates.jerk.map_or(0.0, |limit| of_limit(limit.max(extra[1]))),
+        };
+        let permitted = Permitted { rates, extra };
+        self.allows_state(&axes, &own_jerk, &permitted, &sums(&axes, &own_jerk, &rate), &hidden)
+    }
+
+    /// A stop along the curve from `since` on.
+    fn allows_stop(&self, stop: &CurveStop, since: f64, left: &mut usize) -> bool {
+        let CurveStop { along, from } = stop;
+        let times = along.segment_times();
+        let step = STEP_S.max((along.duration() - since) / STOP_STEPS);
+        let mut own = self.trajectory.time_at_length(from + along.at(since).position);
+        let mut piece_index = self.trajectory.piece_at(own);
+        for (time_index, &begin) in times.iter().enumerate() {
+            let begin = begin.max(since);
+            let end = times.get(time_index + 1).copied().unwrap_or(along.duration());
+            if end <= begin {
+                continue;
+            }
+            let segment = RampSegment::new(along, begin, end - begin);
+            let mut at = begin;
+            loop {
+                let Some(piece) = self.trajectory.piece(piece_index) else {
+                    return false;
+                };
+                let behind = self.trajectory.arc_length(piece.until);
+                let leaves = along.time_at_position(behind - from).filter(|&leaves| leaves < end);
+                let until = leaves.unwrap_or(end).max(at);
+                let curve = CurvePiece {
+                    piece,
+                    begin: behind - piece.length(piece.until) - from,
+                };
+                let steps = ((until - at) / step).ceil().max(1.0);
+                let half = 0.5 * (until - at) / steps;
+                let mut first = self.curve_state(&curve, &segment, at - begin, own);
+                for k in 0..steps as usize {
+                    let Some(less) = left.checked_sub(STOP_WORK) else {
+                        *left = 0;
+                        return false;
+                    };
+                    *left = less;
+                    let after = |state: &CurveState, halves: usize| {
+                        self.curve_state(&curve, &segment, at - begin + half * halves as f64, state.after(half))
+                    };
+                    let middle = first.as_ref().and_then(|first| after(first, 2 * k + 1));
+                    let last = middle.as_ref().and_then(|middle| after(middle, 2 * k + 2));
+                    let (Some(a), Some(b), Some(c)) = (&first, &middle, &last) else {
+                        return false;
+                    };
+                    if !self.allows_step(&piece.jerk(), [a, b, c]) {
+                        return false;
+                    }
+                    own = c.own;
+                    first = last;
+                }
+                at = until;
+                if leaves.is_none() {
+                    break;
+                }
+                own = piece.until;
+                piece_index += 1;
+            }
+        }
+        true
+    }
+
+    /// The state of a stop along the curve; `near`: about its own time. `None`: the pace is not within its bounds, or the speed too low for it.
+    fn curve_state(&self, curve: &CurvePiece, segment: &RampSegment, at: f64, near: f64) -> Option<CurveState> {
+        let CurvePiece { piece, begin } = curve;
+        let (length, along) = segment.at(at);
+        let mut own = near.min(piece.until);
+        for _ in 0..2 {
+            let speed = piece.at(own).velocity.norm();
+            if speed < self.least_speed {
+                return None;
+            }
+            own -= (begin + piece.length(own) - length) / speed;
+        }
+        let axes = piece.at(own);
+        let own_jerk = piece.jerk();
+        let rate = Along::of(&axes).rate(&axes, &own_jerk, [along.pace, along.first, along.second]);
+        let inside = (-PACE_SHARE..=1.0 + ROUNDING_SHARE).contains(&rate.pace);
+        inside.then(|| CurveState {
+            own,
+            axes,
+            rate,
+            sums: sums(&axes, &own_jerk, &rate),
+        })
+    }
+
+    /// A step of a stop along the curve, within a piece: its ends and its middle.
+    fn allows_step(&self, own_jerk: &Point, states: [&CurveState; 3]) -> bool {
+        // A parabola through three values exceeds them by at most an eighth of their second difference; four times that.
+        let bend = |of: usize| {
+            let [first, middle, last] = states.map(|state| state.sums[of]);
+            (first - middle * 2.0 + last) * 0.5
+        };
+        let (acceleration, jerk) = (bend(0), bend(1));
+        let hidden = Hidden {
+            acceleration: acceleration.abs(),
+            vector_acceleration: acceleration.norm(),
+            jerk: jerk.abs(),
+            vector_jerk: jerk.norm(),
+        };
+        states.iter().all(|CurveState { own, axes, sums, .. }| {
+            let rates = self.trajectory.rates(self.trajectory.move_at(*own));
+            rates.is_none_or(|rates| {
+                let extra = self.extra.at(*own);
+                self.allows_state(axes, own_jerk, &Permitted { rates, extra }, sums, &hidden)
+            })
+        })
+    }
+
+    /// The sums of a state with what is hidden between it and the next one.
+    fn allows_state(
+        &self,
+        axes: &Axes,
+        own_jerk: &Point,
+        permitted: &Permitted<'_>,
+        sums: &[Point; 2],
+        hidden: &Hidden,
+    ) -> bool {
+        let [acceleration, jerk] = sums;
+        let limits = self.trajectory.axes();
         let within = |value: f64, limit: f64, own: f64, hidden: f64| {
             let most = limit.max(own.abs());
             value.abs() + hidden <= most * (1.0 + ROUNDING_SHARE)
         };
-        let bent = |axis: usize| bend * (own_jerk[axis].abs() * first.abs() + axes.acceleration[axis].abs() * hidden);
         let kept = (0..3).all(|axis| {
             let own = axes.acceleration[axis];
-            within(acceleration[axis], limits.acceleration[axis], own, bent(axis))
+            within(
+                acceleration[axis],
+                limits.acceleration[axis],
+                own,
+                hidden.acceleration[axis],
+            )
         });
-        if !kept || !self.allows_vector(&axes, &acceleration, rates, bend * own_jerk.norm() * first.abs()) {
+        if !kept || !self.allows_vector(axes, acceleration, permitted, hidden.vector_acceleration) {
             return false;
         }
-        let Some(own_limit) = rates.jerk else {
+        let Some(own_limit) = permitted.rates.jerk else {
             return true;
         };
-        let jerk = own_jerk * (pace * pace * pace) + axes.acceleration * (3.0 * pace * first) + axes.velocity * second;
-        let bent = |limit: f64| 2.0 * bend * hidden * limit.min(f64::MAX);
-        let of_axes = limits.jerk.is_none_or(|limit| {
-            (0..3).all(|axis| {
-                let hides = if limit[axis].is_finite() {
-                    bent(limit[axis])
-                } else {
-                    0.0
-                };
-                within(jerk[axis], limit[axis], own_jerk[axis], hides)
-            })
-        });
-        let vector = own_limit.max(self.extra[1]);
-        of_axes && within(jerk.norm(), vector, own_jerk.norm(), bent(vector))
+        let of_axes = limits
+            .jerk
+            .is_none_or(|limit| (0..3).all(|axis| within(jerk[axis], limit[axis], own_jerk[axis], hidden.jerk[axis])));
+        of_axes
+            && within(
+                jerk.norm(),
+                own_limit.max(permitted.extra[1]),
+                own_jerk.norm(),
+                hidden.vector_jerk,
+            )
     }
 
     /// Checks the programmed rates: the larger one in any direction, and each one along the path.
-    fn allows_vector(&self, axes: &Axes, acceleration: &Point, rates: &Rates, hidden: f64) -> bool {
-        let down = rates.deceleration.max(self.extra[0]);
+    fn allows_vector(&self, axes: &Axes, acceleration: &Point, permitted: &Permitted<'_>, hidden: f64) -> bool {
+        let Permitted { rates, extra } = permitted;
+        let down = rates.deceleration.max(extra[0]);
         let up = rates.acceleration;
         let most = up.max(down).max(axes.acceleration.norm());
         if acceleration.norm() + hidden > most * (1.0 + ROUNDING_SHARE) {
@@ -288,8 +497,10 @@ impl RampSegment {
     }
 }
 
-/// Most cells and samples for one ramp; a ramp that needs more is not allowed.
-const WORK: usize = 1500;
+/// The work of a step of a stop along the curve, in samples.
+const STOP_WORK: usize = 3;
+/// The number of steps of a stop along the curve that takes longer than as many times [`STEP_S`].
+const STOP_STEPS: f64 = 250.0;
 /// Seconds of a ramp that are examined as a whole before they are sampled.
 const CELL_S: f64 = 0.004;
 /// Seconds between two samples of a ramp.

@@ -8,7 +8,8 @@
 use arcline_contour::{AxesState, Trajectory};
 use arcline_profile::{Jerk, KinematicState, Limits, Profile};
 
-use super::guard::Guard;
+use super::guard::{Extra, Guard};
+use super::ramp::{CurveStop, Ramp, StopRequest};
 use crate::tolerance::{LEAST_RAMP_SPEED_SHARE, REACHED_PACE_SHARE};
 use crate::{Clock, Instant};
 
@@ -22,15 +23,16 @@ pub(super) struct PaceRequest {
     pub(super) jerk: Option<f64>,
     /// Vector rate and jerk of the ramps that suit the present state; `None`: there are no such ramps.
     pub(super) near: Option<(f64, Option<f64>)>,
-    /// Vector deceleration and jerk of a stop, which are permitted besides those of the moves.
-    pub(super) extra: [f64; 2],
+    /// The stop along the curve, if the target is 0.
+    pub(super) stop: Option<StopRequest>,
+    /// The rates of a stop, which are permitted besides those of the moves.
+    pub(super) extra: Extra,
 }
 
 /// The pace of a trajectory in execution.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
-    /// Its position is the trajectory's own time.
-    ramp: Profile,
+    ramp: Ramp,
     start: Instant,
     wanted: PaceRequest,
     /// Index of the active ramp; [`NONE`] if it does not end at the requested pace.
@@ -48,14 +50,15 @@ impl Pace {
             acceleration: 0.0,
         };
         Pace {
-            ramp: Profile::to_velocity(state, pace, &limits(1.0, None)),
+            ramp: Ramp::OwnTime(Profile::to_velocity(state, pace, &limits(1.0, None))),
             start: clock.now(),
             wanted: PaceRequest {
                 target: pace,
                 rate: 1.0,
                 jerk: None,
                 near: None,
-                extra: [0.0; 2],
+                stop: None,
+                extra: Extra::NONE,
             },
             under_way: 0,
             next: 0,
@@ -69,14 +72,15 @@ impl Pace {
             ..from
         };
         Pace {
-            ramp: Profile::stop(from, &limits(rate, jerk)),
+            ramp: Ramp::OwnTime(Profile::stop(from, &limits(rate, jerk))),
             start: clock.now(),
             wanted: PaceRequest {
                 target: 0.0,
                 rate,
                 jerk,
                 near: None,
-                extra: [0.0; 2],
+                stop: None,
+                extra: Extra::NONE,
             },
             under_way: 0,
             next: 0,
@@ -90,20 +94,20 @@ impl Pace {
 
     /// Seconds from the present tick to an instant of the trajectory's own time, negative for a past one; `None`: the present ramp never
     /// reaches it.
-    pub(super) fn until(&self, own: f64, clock: &Clock) -> Option<f64> {
-        Some(self.ramp.time_at_position(own)? - self.start.elapsed(clock))
+    pub(super) fn until(&self, own: f64, trajectory: &Trajectory, clock: &Clock) -> Option<f64> {
+        Some(self.ramp.time_at(own, trajectory)? - self.start.elapsed(clock))
     }
 
     /// The instant of a point in the trajectory's own time that lies at or before the present tick, but not before the beginning of the present
     /// ramp.
-    pub(super) fn instant_of(&self, own: f64, clock: &Clock) -> Instant {
-        let since = self.ramp.time_at_position(own).unwrap_or(0.0);
+    pub(super) fn instant_of(&self, own: f64, trajectory: &Trajectory, clock: &Clock) -> Instant {
+        let since = self.ramp.time_at(own, trajectory).unwrap_or(0.0);
         self.start.after(since.min(self.start.elapsed(clock)), clock)
     }
 
     /// The trajectory's own time, the pace and its derivative at the present tick.
-    pub(super) fn at(&self, clock: &Clock) -> KinematicState {
-        self.ramp.at(self.start.elapsed(clock))
+    pub(super) fn at(&self, trajectory: &Trajectory, clock: &Clock) -> KinematicState {
+        self.ramp.at(self.start.elapsed(clock), trajectory)
     }
 
     /// The requested pace.
@@ -113,7 +117,7 @@ impl Pace {
 
     /// The pace has reached the requested one, and stays there.
     pub(super) fn is_settled(&self, clock: &Clock) -> bool {
-        self.ramp.end().velocity == self.wanted.target && self.start.elapsed(clock) >= self.ramp.duration()
+        self.ramp.end_pace() == self.wanted.target && self.start.elapsed(clock) >= self.ramp.duration()
     }
 
     /// Requests a pace, from the present tick on.
@@ -128,39 +132,55 @@ impl Pace {
         if self.under_way == 0 || self.is_settled(clock) {
             return false;
         }
-        let now = self.at(clock);
+        let now = self.at(trajectory, clock);
         let over = self.start.elapsed(clock) >= self.ramp.duration();
         let gap = self.wanted.target - now.velocity;
         if over && gap.abs() <= REACHED_PACE_SHARE {
-            self.take(0, self.constant_from(now), clock);
+            self.take(0, Ramp::OwnTime(self.constant_from(now)), clock);
             return true;
         }
         if over {
             self.under_way = NONE;
         }
         let guard = Guard::new(trajectory, self.wanted.extra);
+        let mut left = WORK;
         for _ in 0..TRIES {
             if self.next >= self.under_way.min(self.ramps()) {
                 self.next = 0;
             }
             let ramp_index = self.next;
             let ramp = self.ramp(ramp_index, now, gap, trajectory);
-            if guard.allows(&ramp, 0.0) {
+            let whole = left == WORK;
+            if let Some(ramp) = ramp.filter(|ramp| guard.allows(ramp, 0.0, &mut left)) {
                 self.take(ramp_index, ramp, clock);
                 return true;
+            }
+            if left == 0 && !whole {
+                // The next tick has time to check it.
+                break;
             }
             self.next += 1;
         }
         false
     }
 
-    /// The active ramp keeps the limits of another trajectory, which replaces the present one.
-    pub(super) fn suits(&self, trajectory: &Trajectory, clock: &Clock) -> bool {
+    /// The active ramp keeps the limits of another trajectory, which continues the present one.
+    pub(super) fn suits(&self, new: &Trajectory, old: &Trajectory, clock: &Clock) -> bool {
         let elapsed = self.start.elapsed(clock);
-        elapsed >= self.ramp.duration() || Guard::new(trajectory, self.wanted.extra).allows(&self.ramp, elapsed)
+        let ramp = self.on(new, old, clock).ramp;
+        elapsed >= ramp.duration() || Guard::new(new, self.wanted.extra).allows(&ramp, elapsed, &mut { WORK })
     }
 
-    fn take(&mut self, ramp_index: usize, ramp: Profile, clock: &Clock) {
+    /// The same on another trajectory, which continues the present one.
+    pub(super) fn on(&self, new: &Trajectory, old: &Trajectory, clock: &Clock) -> Self {
+        let own = self.at(old, clock).position;
+        Pace {
+            ramp: self.ramp.on(new, old, own),
+            ..*self
+        }
+    }
+
+    fn take(&mut self, ramp_index: usize, ramp: Ramp, clock: &Clock) {
         self.ramp = ramp;
         self.start = clock.now();
         (self.under_way, self.next) = (ramp_index, 0);
@@ -175,9 +195,24 @@ impl Pace {
         Profile::to_velocity(state, self.wanted.target, &limits(1.0, None))
     }
 
-    /// The ramps, the best first: at the full rates; at rates that suit the present state; then shorter distances, and the same with gentler
-    /// rates.
-    fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64, trajectory: &Trajectory) -> Profile {
+    /// The ramps, the best first: stops along the curve; ramps of the pace at the full rates; at rates that suit the present state; then shorter distances,
+    /// and the same with gentler rates. `None`: there is no such ramp in the present state.
+    fn ramp(&self, ramp_index: usize, now: KinematicState, gap: f64, trajectory: &Trajectory) -> Option<Ramp> {
+        let Some(stop) = &self.wanted.stop else {
+            return Some(Ramp::OwnTime(self.ramp_of_pace(ramp_index, now, gap, trajectory)));
+        };
+        match STOPS.get(ramp_index) {
+            Some(&share) => CurveStop::new(&now, trajectory, stop, share).map(Ramp::Stop),
+            None => Some(Ramp::OwnTime(self.ramp_of_pace(
+                ramp_index - STOPS.len(),
+                now,
+                gap,
+                trajectory,
+            ))),
+        }
+    }
+
+    fn ramp_of_pace(&self, ramp_index: usize, now: KinematicState, gap: f64, trajectory: &Trajectory) -> Profile {
         let number = match (ramp_index.checked_sub(1), self.wanted.near) {
             (Some(near), Some(most)) if near < NEAR.len() => {
                 let (rate, jerk) = near_rates(most, NEAR[near], &trajectory.at(now.position), trajectory.peaks().speed);
@@ -195,7 +230,8 @@ impl Pace {
     }
 
     fn ramps(&self) -> usize {
-        RAMPS + self.wanted.near.map_or(0, |_| NEAR.len())
+        let stops = self.wanted.stop.map_or(0, |_| STOPS.len());
+        RAMPS + self.wanted.near.map_or(0, |_| NEAR.len()) + stops
     }
 }
 
@@ -225,7 +261,11 @@ const NONE: usize = usize::MAX;
 const REACHES: [f64; 3] = [0.0, 0.1, 0.5];
 /// Shares of the rates and the jerk of ramps that suit the present state. Not all: the guard counts in what may lie between its points.
 const NEAR: [f64; 8] = [0.95, 0.75, 0.58, 0.45, 0.35, 0.26, 0.18, 0.12];
+/// Shares of the rates and the jerk of stops along the curve.
+const STOPS: [f64; 9] = [1.0, 0.99, 0.97, 0.94, 0.9, 0.84, 0.76, 0.66, 0.55];
 /// Number of other ramps: the gentlest takes 2^13 times as long.
 const RAMPS: usize = 14 * REACHES.len();
+/// Most samples and examined stretches of ramps in a tick; a ramp that needs more is not allowed.
+const WORK: usize = 4500;
 /// Ramps to try in a tick.
 const TRIES: usize = 3;

@@ -145,7 +145,7 @@ impl<T: Copy> ContourQueue<T> {
     /// extend, if many moves wait, or if no move has arrived for a moment and its end is near.
     fn extension(&self, run: &RunningTrajectory, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
-        let state = run.pace.at(clock);
+        let state = run.pace_at(clock);
         let now = state.position;
         let left = run.trajectory.duration() - now;
         if run.state != RunState::Travelling || now < run.retry || left <= 0.0 {
@@ -305,19 +305,20 @@ impl<T: Copy> ContourQueue<T> {
             return Err(planned);
         };
         // A plan made anew takes as much of the trajectory's own time as it takes time.
-        let own = run.pace.at(clock).position;
+        let own = run.pace_at(clock).position;
         let now = own / pace.unwrap_or(1.0);
         let since = run.passed.saturating_sub(passed);
         // The next plan has time for as long again.
         let took = PLANNING_MARGIN * (own - run.asked) / pace.unwrap_or(1.0);
         let fits = |plan: &Arc<Trajectory>| {
             let in_time = now <= plan.splice() && since < plan.moves() && plan.moves() - since <= left;
-            in_time && (pace.is_some() || run.pace.suits(plan, clock))
+            in_time && (pace.is_some() || run.pace.suits(plan, &run.trajectory, clock))
         };
         match planned {
             Some(plan) if fits(&plan) => {
                 run.gone = (now, run.gone_at(own));
                 run.rounded /= pace.unwrap_or(1.0);
+                run.pace = run.pace.on(&plan, &run.trajectory, clock);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
                 run.planning_s = took.clamp(PLANNING_S, MOST_PLANNING_S);

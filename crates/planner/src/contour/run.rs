@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use arcline_contour::Trajectory;
 use arcline_geometry::Point;
-use arcline_profile::{Jerk, KinematicState, Phase};
+use arcline_profile::{Jerk, KinematicState, Limits, Phase};
 
 use super::pace::Pace;
 use crate::tolerance::{RIPPLE_S, SAME_INSTANT_S, STEADY_SHARE};
@@ -72,9 +72,28 @@ pub(super) enum RunState {
 }
 
 impl RunningTrajectory {
+    /// The trajectory's own time, the pace and its derivative at the present tick.
+    pub(super) fn pace_at(&self, clock: &Clock) -> KinematicState {
+        self.pace.at(&self.trajectory, clock)
+    }
+
+    /// The limits of its active move when it was planned.
+    pub(super) fn limits(&self) -> Limits {
+        let planned = self
+            .trajectory
+            .rates(self.passed)
+            .unwrap_or(self.trajectory.least_rates());
+        Limits {
+            speed: planned.speed,
+            acceleration: planned.acceleration,
+            deceleration: planned.deceleration,
+            jerk: planned.jerk.map(both),
+        }
+    }
+
     /// Nothing of it has been travelled.
     pub(super) fn is_at_its_beginning(&self, clock: &Clock) -> bool {
-        let at = self.pace.at(clock);
+        let at = self.pace_at(clock);
         self.passed == 0 && at.position == 0.0 && at.velocity == 0.0
     }
 
@@ -161,6 +180,14 @@ impl RunningTrajectory {
         let other = other.clamp(0.0, self.trajectory.duration());
         let speed = |own: f64| self.trajectory.at(own).velocity.norm();
         ((other - own).abs() > SAME_INSTANT_S).then(|| (speed(other) - speed(own)) / (other - own))
+    }
+}
+
+/// The same jerk while speeding up and while slowing down.
+pub(super) fn both(jerk: f64) -> Jerk {
+    Jerk {
+        acceleration: jerk,
+        deceleration: jerk,
     }
 }
 

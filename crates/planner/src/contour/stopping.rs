@@ -39,7 +39,7 @@ impl<T: Copy> ContourQueue<T> {
     /// The motion of the coordinate system at an instant of a predicted stop. Real-time.
     pub fn sample_stopping(&self, stopping: &ContourStopping, clock: &Clock) -> Option<Sample> {
         let run = self.run.as_ref()?;
-        Some(run.at(stopping.0.at(clock)))
+        Some(run.at(stopping.0.at(&run.trajectory, clock)))
     }
 
     /// Brakes on the path from the present tick on at the rates of `limits`, in addition to the trajectory's own accelerations. The caller ends
@@ -62,7 +62,7 @@ impl RunningTrajectory {
         clock: &Clock,
         time: &Clock,
     ) -> Pace {
-        let now: KinematicState = self.pace.at(clock);
+        let now: KinematicState = self.pace_at(clock);
         let now = rate.map_or(now, |rate| rate.in_time(now));
         let speed = self.speed_of_a_stop(now.position, limits);
         let jerk = limits.jerk.map(|jerk| jerk.deceleration / speed);

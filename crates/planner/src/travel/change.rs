@@ -38,10 +38,8 @@ impl<T: Copy> Travel<T> {
         let clock = self.contour_clock(base);
         match self.contour_in_force_mut() {
             Some(contour) => {
-                if let Some(active) = contour.moves_mut().next() {
-                    active.set_limits(active.parameter.in_time(&limits));
-                }
-                contour.change(&clock);
+                let in_time = contour.moves().next().map(|active| active.parameter.in_time(&limits));
+                contour.change_limits(in_time.unwrap_or(limits), &clock);
             }
             None => self.planner.change_limits(limits, &base.clock()),
         }

@@ -105,6 +105,8 @@ struct Ride {
     /// The override, and when something was changed last.
     rate: f64,
     changed: u64,
+    /// When a pause ended last.
+    paused: Option<u64>,
     /// The programmed speed of the move before the active one.
     before: f64,
     done: usize,
@@ -153,6 +155,7 @@ impl Ride {
             last: None,
             rate: 1.0,
             changed: 0,
+            paused: None,
             before: 0.0,
             done: 0,
             plans,
@@ -254,11 +257,14 @@ impl Ride {
         let first = self.moves[0].limits;
         let rate = first.acceleration.max(first.deceleration);
         let rate = self.stop.map_or(rate, |stop| rate.max(stop.deceleration));
-        let jerk = first.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration));
-        let stop_jerk = self
-            .stop
-            .and_then(|stop| stop.jerk)
-            .map_or(0.0, |jerk| jerk.deceleration);
+        let most_jerk = |jerk: Jerk| jerk.acceleration.max(jerk.deceleration);
+        // A plan has the lower jerk of a move; what brakes it to rest has the programmed one, which may be higher.
+        let jerk = if self.pauses() {
+            first.jerk.map(most_jerk)
+        } else {
+            first.jerk.map(|jerk| jerk.acceleration.min(jerk.deceleration))
+        };
+        let stop_jerk = self.stop.and_then(|stop| stop.jerk).map_or(0.0, most_jerk);
         if sample.velocity.norm() > FASTEST * first.speed * most || sample.acceleration.norm() > rate * most {
             self.fail(&format!(
                 "vector {} {}",
@@ -336,7 +342,18 @@ impl Ride {
         self.queue.change(&self.clock);
     }
 
+    /// It comes to rest for a while, or is on its way on after that.
+    fn pauses(&self) -> bool {
+        let since = self
+            .paused
+            .map_or(f64::INFINITY, |tick| (self.clock.tick - tick) as f64 * PERIOD);
+        self.rate == 0.0 || since < SETTLED
+    }
+
     fn set_rate(&mut self, rate: f64) {
+        if self.rate == 0.0 {
+            self.paused = Some(self.clock.tick);
+        }
         (self.rate, self.changed) = (rate, self.clock.tick);
         self.queue.set_rate(rate, &self.clock);
     }

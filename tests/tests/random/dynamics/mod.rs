@@ -281,14 +281,13 @@ impl Program {
                     }
                 }
             }
-            // An S-curve contour that accelerates ends its acceleration before it pauses (docs/MOTION.md).
-            if let (Some(before), true) = (before, speed == 0.0 && self.kind != Kind::Contours) {
+            if let (Some(before), true) = (before, speed == 0.0) {
                 let active = self.moves.iter().find(|(tag, _)| self.bench.control(tag).has(Flag::Ac));
                 self.coasting = Some(Coasting {
                     why: format!("{whole} of {before:?} at {from:?}"),
                     paused: active.map(|(tag, _)| tag.clone()),
                     gone: 0.0,
-                    most: at_most(before.distance_to_rest(from), from),
+                    most: self.most_to_rest(from, |from| before.distance_to_rest(from)),
                 });
             }
         }
@@ -443,17 +442,27 @@ impl Program {
             });
     }
 
-    fn stopping(&mut self, call: &str, before: Dynamics, from: KinematicState, rate: f64) {
-        // A contour that accelerates goes on further (docs/MOTION.md).
-        if self.kind == Kind::Contours {
-            return;
+    /// The greatest distance to rest. A planned contour begins to brake within three further updates, and in a curve it has the part of its rates that the
+    /// curve leaves (docs/MOTION.md).
+    fn most_to_rest(&self, from: KinematicState, distance: impl Fn(KinematicState) -> f64) -> f64 {
+        if self.kind != Kind::Contours {
+            return at_most(distance(from), from);
         }
-        let own = before.distance_of_a_stop(from, rate, 100.0);
+        let later = KinematicState {
+            velocity: from.velocity + 3.0 * PERIOD * from.acceleration.max(0.0),
+            ..from
+        };
+        at_most(1.05 * distance(later) + 3.0 * PERIOD * later.velocity, from)
+    }
+
+    fn stopping(&mut self, call: &str, before: Dynamics, from: KinematicState, rate: f64) {
+        let own = |from| before.distance_of_a_stop(from, rate, 100.0);
+        let most = self.most_to_rest(from, |from| before.distance_to_rest(from).max(own(from)));
         self.coasting = Some(Coasting {
             why: format!("{call} of {before:?} at {from:?}"),
             paused: None,
             gone: 0.0,
-            most: at_most(before.distance_to_rest(from).max(own), from),
+            most,
         });
     }
 
