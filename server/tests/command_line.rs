@@ -195,6 +195,30 @@ fn a_check_prints_all_errors_as_text_or_json() {
 }
 
 #[test]
+fn a_certificate_of_a_client_is_replaced_only_on_demand() {
+    let files = Files::new();
+    let certs = |arguments: &[&str]| {
+        let out = server()
+            .args(["certs", arguments[0]])
+            .arg(files.0.path())
+            .args(&arguments[1..])
+            .output()
+            .expect("the server runs");
+        (out.status.code(), String::from_utf8(out.stderr).expect("UTF-8"))
+    };
+    let key = || std::fs::read(files.0.path().join("hmi.key")).expect("the key");
+    assert_eq!(certs(&["init"]).0, Some(0));
+    assert_eq!(certs(&["client", "hmi"]).0, Some(0));
+    let first = key();
+    let (code, text) = certs(&["client", "hmi"]);
+    assert_eq!(code, Some(2));
+    assert!(text.contains("hmi.pem exists; `--replace`"), "{text}");
+    assert_eq!(key(), first);
+    assert_eq!(certs(&["client", "hmi", "--replace"]).0, Some(0));
+    assert_ne!(key(), first);
+}
+
+#[test]
 fn the_default_configuration_checks() {
     let text = server().arg("default-config").output().expect("the server runs").stdout;
     let files = Files::new();

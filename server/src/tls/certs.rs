@@ -45,6 +45,9 @@ pub(crate) enum CertsCommand {
         /// Days for which the certificate is valid.
         #[arg(long, value_name = "DAYS", default_value_t = 365, value_parser = clap::value_parser!(u16).range(1..=3650))]
         days: u16,
+        /// Replace the files of an earlier certificate of the client, which stays valid until it ends or is revoked.
+        #[arg(long)]
+        replace: bool,
     },
     /// Make another certificate of the server, with another key.
     Renew {
@@ -77,9 +80,17 @@ pub(crate) fn run(command: &CertsCommand) -> Result<ExitCode, Failure> {
     let text = match command {
         CertsCommand::Init { folder, host } => Authority::init(folder).and_then(|authority| authority.server(host)),
         CertsCommand::Renew { folder, host } => Authority::open(folder).and_then(|authority| authority.server(host)),
-        CertsCommand::Client { folder, name, days } => {
-            Authority::open(folder).and_then(|authority| authority.client(name, i64::from(*days)))
-        }
+        CertsCommand::Client {
+            folder,
+            name,
+            days,
+            replace,
+        } => Authority::open(folder).and_then(|authority| {
+            if !replace {
+                authority.has_none(name)?;
+            }
+            authority.client(name, i64::from(*days))
+        }),
         CertsCommand::Revoke { folder, name } => Authority::open(folder).and_then(|authority| authority.revoke(name)),
         CertsCommand::Show { file } => show(file),
     };
@@ -96,6 +107,12 @@ enum CertsError {
         file: PathBuf,
         /// The reason.
         error: io::Error,
+    },
+    /// A client has a certificate already.
+    #[error("{} exists; `--replace` makes another certificate in its place, `certs revoke` ends the old one", file.display())]
+    Exists {
+        /// The file.
+        file: PathBuf,
     },
     /// The certificate cannot be made.
     #[error("the certificate cannot be made: {0}")]
@@ -168,6 +185,17 @@ impl Authority {
             "{folder}: {CA}, server.pem and server.key; clients need {CA} and a certificate of their own (`arcline-server certs client {folder} NAME`)\n",
             folder = self.folder.display()
         ))
+    }
+
+    /// A key that is overwritten is lost, and with it the client that uses it.
+    fn has_none(&self, name: &str) -> Result<(), CertsError> {
+        for kind in ["pem", "key"] {
+            let file = self.folder.join(format!("{name}.{kind}"));
+            if fs::symlink_metadata(&file).is_ok() {
+                return Err(CertsError::Exists { file });
+            }
+        }
+        Ok(())
     }
 
     fn client(&self, name: &str, days: i64) -> Result<String, CertsError> {
