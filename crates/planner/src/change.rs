@@ -54,7 +54,7 @@ impl<T: Copy> Planner<T> {
 
     /// Changes all pending moves; `limits` are the future ones of the active move. [`Planner::change_limits`] then puts the change into effect.
     pub fn change_pending(&mut self, limits: &Limits, clock: &Clock, change: impl FnMut(&mut Move<T>)) {
-        let distance = self.active.map_or(0.0, |running| {
+        let distance = self.active.as_ref().map_or(0.0, |running| {
             let now = running.trajectory.state(clock);
             let top = now.velocity.max(limits.speed * self.queue.rate());
             // Over a master's displacement, the distance of an update is unknown.
@@ -72,7 +72,10 @@ impl<T: Copy> Planner<T> {
     /// tick on; 0 holds. Without effect on an active stop.
     pub fn set_rate(&mut self, rate: f64, clock: &Clock) {
         let most = self.most_rate();
-        let ran = self.active.map(|running| Ran::new(&running, self.queue.rate(), clock));
+        let ran = self
+            .active
+            .as_ref()
+            .map(|running| Ran::new(running, self.queue.rate(), clock));
         self.queue.set_rate(rate.min(most));
         if let Some(ran) = ran {
             self.replan(&ran, clock);

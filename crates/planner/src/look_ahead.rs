@@ -138,7 +138,7 @@ impl<T: Copy> Planner<T> {
     /// Plans the active move again after the queue has grown, or after more of it was examined: the move may continue into the following ones,
     /// or end faster than planned.
     pub(crate) fn raise_exit(&mut self, clock: &Clock) {
-        let Some(mut running) = self.active.filter(|running| !running.stopped) else {
+        let Some(running) = self.active.as_ref().filter(|running| !running.stopped) else {
             return;
         };
         let approaching = running.trajectory.is_approaching(clock);
@@ -147,17 +147,18 @@ impl<T: Copy> Planner<T> {
         } else {
             running.trajectory.state(clock)
         };
-        let (plan, profile) = self.planned(&running, from);
+        let (plan, profile) = self.planned(running, from);
         // A corner unknown before may lie behind the planned junction.
         let too_fast = plan.exit < running.exit && running.exit > plan.corners * (1.0 + ROUNDING_SHARE);
-        if plan.exit > running.exit || plan.joined != running.joined || too_fast {
-            if approaching {
-                running.trajectory.profile = profile;
-                running.aim(&plan);
-            } else {
-                running.follow(&plan, profile, clock.now());
-            }
-            self.active = Some(running);
+        let better = plan.exit > running.exit || plan.joined != running.joined || too_fast;
+        let Some(running) = self.active.as_mut().filter(|_| better) else {
+            return;
+        };
+        if approaching {
+            running.trajectory.profile = profile;
+            running.aim(&plan);
+        } else {
+            running.follow(&plan, profile, clock.now());
         }
     }
 

@@ -42,7 +42,7 @@ impl<T: Copy> Planner<T> {
         if motion.limits.jerk.is_none() {
             initial.acceleration = Point::zeros();
         }
-        let old = self.active.map_or(0.0, |running| running.in_force.speed);
+        let old = self.active.as_ref().map_or(0.0, |running| running.in_force.speed);
         let terminated = initial.before.map_or(0.0, |before| before.speed);
         let programmed = self.programmed_speed(old.max(motion.limits.speed));
         let bound = speed.max(programmed).max(terminated);

@@ -155,7 +155,7 @@ impl<T: Copy> Planner<T> {
     pub fn last_end(&self) -> Option<Point> {
         let last = self.queue.back();
         last.map(|waiting| waiting.path.end())
-            .or_else(|| self.active.map(|running| running.motion.path.end()))
+            .or_else(|| self.active.as_ref().map(|running| running.motion.path.end()))
     }
 
     /// Starts a move from rest at an instant, in place of the active one.
@@ -193,7 +193,9 @@ impl<T: Copy> Planner<T> {
 
     /// The active move rests before its end until its speed changes.
     pub fn is_paused(&self) -> bool {
-        self.active.is_some_and(|running| !running.trajectory.profile.arrives())
+        self.active
+            .as_ref()
+            .is_some_and(|running| !running.trajectory.profile.arrives())
     }
 
     /// A number that changes whenever another move becomes active, or the active one is planned again.
@@ -203,7 +205,7 @@ impl<T: Copy> Planner<T> {
 
     /// The active move continues into its successor without rest.
     pub fn passes_on(&self) -> bool {
-        self.active.is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
+        self.active.as_ref().is_some_and(|running| running.exit > 0.0) && self.queue.front().is_some()
     }
 
     /// Removes the active move.
@@ -416,7 +418,9 @@ impl<T: Copy> Planner<T> {
     /// The limits of the active profile, including the override.
     pub fn before(&self) -> Option<Limits> {
         let rate = self.queue.rate();
-        self.active.map(|running| scaled_limits(&running.in_force, rate, 1.0))
+        self.active
+            .as_ref()
+            .map(|running| scaled_limits(&running.in_force, rate, 1.0))
     }
 
     /// The acceleration from the curvature of the paths at the present tick: it ends with them, and is not limited.
