@@ -47,6 +47,7 @@ fn client(folder: &Path, name: &str) -> CertsCommand {
         folder: folder.to_owned(),
         name: name.to_owned(),
         days: 1,
+        replace: false,
     }
 }
 
