@@ -18,12 +18,12 @@ fn bench() -> (tempfile::TempDir, Arc<Tls>) {
             folder: at.clone(),
             host: Vec::new(),
         },
-        client(&at, "other"),
+        client(&at, "other", false),
         CertsCommand::Revoke {
             folder: at.clone(),
             name: "other".to_owned(),
         },
-        client(&at, "hmi"),
+        client(&at, "hmi", false),
     ] {
         certs::run(&command).unwrap_or_else(|error| panic!("{command:?}: {error}"));
     }
@@ -42,12 +42,12 @@ fn plant() -> (Plant, arcline_realtime::Handle) {
     Plant::start(&project).expect("a thread")
 }
 
-fn client(folder: &Path, name: &str) -> CertsCommand {
+fn client(folder: &Path, name: &str, replace: bool) -> CertsCommand {
     CertsCommand::Client {
         folder: folder.to_owned(),
         name: name.to_owned(),
         days: 1,
-        replace: false,
+        replace,
     }
 }
 
@@ -176,7 +176,7 @@ fn a_certificate_is_listed_before_it_is_written() {
     let (folder, _) = bench();
     // A folder stands where the certificate belongs.
     fs::create_dir_all(folder.path().join("panel.pem/x")).expect("a writable folder");
-    assert!(certs::run(&client(folder.path(), "panel")).is_err());
+    assert!(certs::run(&client(folder.path(), "panel", true)).is_err());
     let revoke = CertsCommand::Revoke {
         folder: folder.path().to_owned(),
         name: "panel".to_owned(),
