@@ -18,6 +18,8 @@ const KEY = "arcline.trends";
 const NARROW = matchMedia("(max-width: 680px)");
 /** @type {[number, string][]} */
 const SPANS = [[1, "1 s"], [5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
+/** Between two readings of live values. */
+const READ_MS = 100;
 const SPEED = { kind: "speed", title: "Path speed", order: 1 };
 /** A lane never shows less than this much of a value, so that rounding does not look like motion. */
 const LEAST = { position: 0.01, velocity: 0.1, acceleration: 1, jerk: 10, error: 0.0002, speed: 0.1 };
@@ -33,6 +35,11 @@ export class Trends {
   #hover = null;
   /** @type {(number | null)[]} */
   #cursors = [null, null];
+  /** The last picture: its end, what was drawn beside the lanes, and its time. */
+  #drawn = { to: NaN, beside: "", at: -Infinity };
+  /** The timer of the next reading, and whether a frame waits for it. */
+  #reading = 0;
+  #isBehind = false;
   /** @type {{ line: Line, cells: HTMLElement[], row: HTMLElement }[]} */
   rows = [];
   /** @type {HTMLElement[]} */
@@ -80,13 +87,24 @@ export class Trends {
   }
 
   show() {
-    this.stage.start(() => true);
+    this.stage.start(() => this.#isNew());
     this.timebar.start();
   }
 
   hide() {
     this.stage.stop();
     this.timebar.stop();
+  }
+
+  /** The picture would differ to the eye: it has moved by a pixel, or something beside it has changed. */
+  #isNew() {
+    const { to, beside, at } = this.#drawn;
+    const moved = ((this.#window()[1] - to) / this.#ticks) * this.stage.width;
+    return Math.abs(moved) >= 1 || beside !== this.#beside() || performance.now() - at >= READ_MS;
+  }
+
+  #beside() {
+    return [this.#hover, ...this.#cursors, this.#ticks].join();
   }
 
   #laneButtons() {
@@ -116,6 +134,7 @@ export class Trends {
   }
 
   #rebuild() {
+    this.stage.touch();
     const { samples, store } = this.app;
     /** @type {Lane[]} */
     const lanes = [];
@@ -214,6 +233,7 @@ export class Trends {
     const { samples } = this.app;
     const colours = palette();
     const [from, to] = this.#window();
+    this.#drawn = { to, beside: this.#beside(), at: performance.now() };
     drawLanes(context, width, height, this.#lanes, from, to, samples, colours);
     drawCoarse(context, width, height, samples.coarse, from, to, samples, colours);
     if (!this.#lanes.length) {
@@ -228,7 +248,22 @@ export class Trends {
     this.#cursors.forEach((tick, k) => {
       if (tick !== null) drawCursor(context, width, height, tick, "AB"[k], from, to, k ? colours.warn : colours.accent, colours);
     });
-    this.#readout(from, to);
+    this.#read();
+  }
+
+  /** Nobody reads numbers that change with each frame, and each change lays out and paints the page. */
+  #read() {
+    if (this.app.timeCursor.tick === null && this.#reading) {
+      this.#isBehind = true;
+      return;
+    }
+    this.#readout(...this.#window());
+    clearTimeout(this.#reading);
+    this.#isBehind = false;
+    this.#reading = setTimeout(() => {
+      this.#reading = 0;
+      if (this.#isBehind) this.#read();
+    }, READ_MS);
   }
 
   /** @param {number} from @param {number} to */
