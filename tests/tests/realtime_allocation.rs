@@ -574,7 +574,13 @@ fn no_override_allocates() {
             planning.step();
         }
         if tick % 13 == 0 {
-            let rate = [0.0, 1.0, 0.3, 2.0, 0.0, 0.7][(tick / 13) as usize % 6];
+            // A hold brakes at once, so the storm pauses for both to come to speed.
+            let calm = tick % 1000 >= 700;
+            let rate = if calm {
+                1.0
+            } else {
+                [0.0, 1.0, 0.3, 2.0, 0.0, 0.7][(tick / 13) as usize % 6]
+            };
             for system in [deep, contours].map(SystemId) {
                 let _ = outer.link.commands.push(Command::Override { system, rate });
             }
@@ -586,7 +592,7 @@ fn no_override_allocates() {
         outer.drain();
         moved |= [deep, contours]
             .iter()
-            .all(|system| outer.link.snapshots.read().systems[usize::from(*system)].path_speed > 5.0);
+            .all(|system| outer.link.snapshots.read().systems[usize::from(*system)].path_speed > 10.0);
     }
     assert!(moved, "both systems were on their way at once");
 }

@@ -1,7 +1,7 @@
 // The view of the controller's own program: tasks, programs and routines, the rungs or lines of one of them with power flow and values,
 // the uses of a tag, forced inputs, the mode, and a fault at its rung.
 
-import { calm, fill, h, icon, segmented, state, text } from "./dom.js";
+import { calm, fill, h, icon, segmented, seldom, state, text } from "./dom.js";
 import { RungPicture, shown } from "./ladder.js";
 import { Rows } from "./rows.js";
 import { TagPanel } from "./tag_panel.js";
@@ -44,7 +44,7 @@ export class Controller {
   #marked = null;
   #loading = false;
   #version = 0;
-  #scanAt = -Infinity;
+  #scanIsDue = seldom(SCAN_MS);
 
   /** @param {import("./app.js").App} app */
   constructor(app) {
@@ -125,15 +125,10 @@ export class Controller {
     this.panel.update(status);
   }
 
-  /** Nobody reads a time that changes with each status, and each change lays out and paints the page. @param {ControllerStatus} status */
+  /** @param {ControllerStatus} status */
   #showScan({ state: now, last_us, longest_us }) {
-    if (now !== "running") {
-      this.#scanAt = -Infinity;
-      text(this.scan, "");
-    } else if (performance.now() - this.#scanAt >= SCAN_MS) {
-      this.#scanAt = performance.now();
-      text(this.scan, `Scan ${last_us} µs, longest ${longest_us} µs`);
-    }
+    if (now !== "running") text(this.scan, "");
+    else if (this.#scanIsDue() || !this.scan.textContent) text(this.scan, `Scan ${last_us} µs, longest ${longest_us} µs`);
   }
 
   /** @param {ControllerStatus} status */

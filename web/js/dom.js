@@ -141,6 +141,21 @@ export function calm(delay, action) {
   };
 }
 
+/**
+ * A function that is true at most once in so many milliseconds. For numbers that nobody could read in each frame: each change lays out and paints the page.
+ * @param {number} ms
+ * @returns {() => boolean}
+ */
+export function seldom(ms) {
+  let at = -Infinity;
+  return () => {
+    const now = performance.now();
+    if (now - at < ms) return false;
+    at = now;
+    return true;
+  };
+}
+
 /** A value that is there; its absence is a mistake of the page. @template T @param {T | undefined | null} value @param {string} name @returns {T} */
 export function found(value, name) {
   if (value === undefined || value === null) throw new Error(`there is no ${name}`);

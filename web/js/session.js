@@ -1,6 +1,6 @@
 // The session of this page: its user with the role, log in, lock and log out. STOP works without a session.
 
-import { fill, h, icon, state, text } from "./dom.js";
+import { fill, h, icon, seldom, state, text } from "./dom.js";
 
 /** @import { SessionRow } from "../types/protocol.js" */
 
@@ -21,7 +21,7 @@ function idleText(seconds) {
 
 /** The button in the bar and the note above the view. */
 export class Session {
-  #told = -Infinity;
+  #tellingIsDue = seldom(ACTIVE_MS);
   #open = false;
   #key = "";
   #leaving = false;
@@ -60,9 +60,7 @@ export class Session {
 
   #active() {
     const { session } = this.app.store;
-    if (session.user === null || session.locked || performance.now() - this.#told < ACTIVE_MS) return;
-    this.#told = performance.now();
-    this.app.connection.tell("active", {});
+    if (session.user !== null && !session.locked && this.#tellingIsDue()) this.app.connection.tell("active", {});
   }
 
   #update() {

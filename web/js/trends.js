@@ -1,7 +1,7 @@
 // The view of signals over time: lanes, cursors with values, scrubbing, export.
 
 import { Stage, gestures } from "./canvas.js";
-import { h, icon, fill, segmented, state, text } from "./dom.js";
+import { h, icon, fill, segmented, seldom, state, text } from "./dom.js";
 import { csv, fileName, save, savePicture } from "./export.js";
 import { clock, duration, rate, short, timestamp } from "./format.js";
 import { keep } from "./keep.js";
@@ -18,7 +18,7 @@ const KEY = "arcline.trends";
 const NARROW = matchMedia("(max-width: 680px)");
 /** @type {[number, string][]} */
 const SPANS = [[1, "1 s"], [5, "5 s"], [20, "20 s"], [60, "1 min"], [600, "10 min"]];
-/** Between two readings of live values. */
+/** Between two readings of live values, and at most between two pictures. */
 const READ_MS = 100;
 const SPEED = { kind: "speed", title: "Path speed", order: 1 };
 /** A lane never shows less than this much of a value, so that rounding does not look like motion. */
@@ -37,9 +37,7 @@ export class Trends {
   #cursors = [null, null];
   /** The last picture: its end, what was drawn beside the lanes, and its time. */
   #drawn = { to: NaN, beside: "", at: -Infinity };
-  /** The timer of the next reading, and whether a frame waits for it. */
-  #reading = 0;
-  #isBehind = false;
+  #readingIsDue = seldom(READ_MS);
   /** @type {{ line: Line, cells: HTMLElement[], row: HTMLElement }[]} */
   rows = [];
   /** @type {HTMLElement[]} */
@@ -248,22 +246,7 @@ export class Trends {
     this.#cursors.forEach((tick, k) => {
       if (tick !== null) drawCursor(context, width, height, tick, "AB"[k], from, to, k ? colours.warn : colours.accent, colours);
     });
-    this.#read();
-  }
-
-  /** Nobody reads numbers that change with each frame, and each change lays out and paints the page. */
-  #read() {
-    if (this.app.timeCursor.tick === null && this.#reading) {
-      this.#isBehind = true;
-      return;
-    }
-    this.#readout(...this.#window());
-    clearTimeout(this.#reading);
-    this.#isBehind = false;
-    this.#reading = setTimeout(() => {
-      this.#reading = 0;
-      if (this.#isBehind) this.#read();
-    }, READ_MS);
+    if (this.#readingIsDue() || this.app.timeCursor.tick !== null) this.#readout(from, to);
   }
 
   /** @param {number} from @param {number} to */

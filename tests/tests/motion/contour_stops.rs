@@ -198,22 +198,22 @@ fn a_driven_contour_needs_as_much_way_to_rest_as_a_superposed_move() {
 /// A planned contour that accelerates has no jerk to spare: its stop follows the curve as the stop of a single move does.
 #[test]
 fn a_contour_that_accelerates_needs_as_much_way_to_rest_as_a_superposed_move() {
-    let limits = |jerk: f64| Limits {
+    let own = Limits {
         speed: 100.0,
         acceleration: 2000.0,
         deceleration: 2000.0,
         jerk: Some(Jerk {
-            acceleration: jerk,
-            deceleration: jerk,
+            acceleration: 40_000.0,
+            deceleration: 40_000.0,
         }),
     };
     let mcs = Limits {
         deceleration: 1000.0,
-        ..limits(40_000.0)
+        ..own
     };
     for (call, limits) in [
-        ("", limits(40_000.0)),
-        ("MCCD(CS1, C, CoordinatedMove, Yes, 0, Unitspersec)", limits(40_000.0)),
+        ("", own),
+        ("MCCD(CS1, C, CoordinatedMove, Yes, 0, Unitspersec)", own),
         ("MCS(CS1, S, 2, 1, 1000, 0, 1, 40000, 0)", mcs),
     ] {
         for speed in [5.0, 16.0, 50.0, 84.0] {

@@ -15,7 +15,7 @@
 
 mod curve;
 
-use super::ramp::{Ramp, least_speed};
+use super::ramp::{Along, Ramp, least_speed};
 use crate::tolerance::{PACE_SHARE, ROUNDING_SHARE};
 use arcline_contour::{AxesState as Axes, AxisLimits, Peaks, Piece, Rates, Trajectory};
 use arcline_geometry::Point;
@@ -311,12 +311,11 @@ impl<'a> Guard<'a> {
         if acceleration.norm() + hidden > most * (1.0 + ROUNDING_SHARE) {
             return false;
         }
-        let speed = axes.velocity.norm();
+        let Along { speed, change: own } = Along::of(axes);
         if speed <= 0.0 {
             return true;
         }
         let along = axes.velocity.dot(acceleration) / speed;
-        let own = axes.velocity.dot(&axes.acceleration) / speed;
         along + hidden <= up.max(own) * (1.0 + ROUNDING_SHARE)
             && hidden - along <= down.max(-own) * (1.0 + ROUNDING_SHARE)
     }

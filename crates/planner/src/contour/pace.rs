@@ -6,10 +6,11 @@
 //! few ramps.
 
 use arcline_contour::{AxesState, Trajectory};
-use arcline_profile::{Jerk, KinematicState, Limits, Profile};
+use arcline_profile::{KinematicState, Limits, Profile};
 
 use super::guard::{Extra, Guard};
 use super::ramp::{CurveStop, Ramp, StopRequest};
+use super::run::both;
 use crate::tolerance::{LEAST_RAMP_SPEED_SHARE, REACHED_PACE_SHARE};
 use crate::{Clock, Instant};
 
@@ -248,10 +249,7 @@ fn limits(rate: f64, jerk: Option<f64>) -> Limits {
         speed: 1.0,
         acceleration: rate,
         deceleration: rate,
-        jerk: jerk.map(|jerk| Jerk {
-            acceleration: jerk,
-            deceleration: jerk,
-        }),
+        jerk: jerk.map(both),
     }
 }
 
