@@ -5,7 +5,7 @@ set -eu
 machine=$1 program=$2 out=$3
 shift 3
 here=$(dirname "$0")
-target=${CARGO_TARGET_DIR:-$here/target}
+target=${CARGO_TARGET_DIR:-$here/../target}
 cargo build --manifest-path "$here/Cargo.toml" --release --locked --quiet
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

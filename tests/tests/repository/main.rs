@@ -3,6 +3,7 @@
 mod architecture;
 mod campaign;
 mod doc_tests;
+mod features;
 mod imports;
 mod readme;
 mod security;
