@@ -173,10 +173,9 @@ async fn connect_tcp(full: &str, options: &Options) -> Result<TcpStream, ClientE
 
 /// Appends the default port where there is none.
 fn with_port(address: &str, port: u16) -> String {
-    let has_port = match address.rsplit_once(':') {
-        Some((host, port)) => port.parse::<u16>().is_ok() && (!host.contains(':') || host.ends_with(']')),
-        None => false,
-    };
+    let has_port = address
+        .rsplit_once(':')
+        .is_some_and(|(host, _)| !host.contains(':') || host.ends_with(']'));
     if has_port {
         address.to_owned()
     } else if address.contains(':') && !address.starts_with('[') {
@@ -198,6 +197,8 @@ mod tests {
             ("::1", "[::1]:44818"),
             ("[::1]", "[::1]:44818"),
             ("[::1]:7", "[::1]:7"),
+            // Connecting refuses it: "invalid port value".
+            ("localhost:70000", "localhost:70000"),
         ] {
             assert_eq!(with_port(given, super::DEFAULT_PORT), full, "{given}");
         }

@@ -51,7 +51,7 @@ def test_the_ci_example_of_the_guide_is_a_workflow():
     steps = job["steps"]
     assert all(("run" in step) != ("uses" in step) for step in steps)
     (cache,) = [step["with"] for step in steps if step.get("uses", "").startswith("actions/cache")]
-    assert len(cache["path"].split()) == 3 and "Cargo.lock" in cache["key"]
+    assert cache["path"].split() == ["~/.cargo", "arcline/target"] and "Cargo.lock" in cache["key"]
     (upload,) = [step for step in steps if "upload-artifact" in step.get("uses", "")]
     assert upload["if"] == "failure()"
     commands = [step["run"] for step in steps if "run" in step]

@@ -15,6 +15,8 @@ use arcline_system_tests::server::Server;
 
 /// Tags that one Multiple Service Packet reads.
 const TAGS: usize = 100;
+/// Connections that are opened in a round, plain and over TLS.
+const CONNECTS: usize = 5;
 /// The size of class 3 connections, bytes.
 const SIZE: u16 = 500;
 /// The same where 100 replies have to fit.
@@ -168,7 +170,26 @@ impl Run {
             (server.tls().expect("it has TLS"), Some(secured.tls())),
         ];
         let mut outcomes = [Outcome::default(), Outcome::default()];
+        // The times from no connection to an open class 3 connection that has answered: with TLS, a whole handshake each.
+        let mut connects = [Vec::new(), Vec::new()];
         for round in 0..self.rounds {
+            for index in [round % 2, 1 - round % 2] {
+                for _ in 0..CONNECTS {
+                    let load = Load {
+                        server: listeners[index].0,
+                        question: Question::Connected(read("Bench"), SIZE),
+                        connections: 1,
+                        time: Duration::ZERO,
+                        pace: None,
+                        // Of a certificate that was read anew, which has no session to resume.
+                        tls: (index == 1).then(|| secured.tls()),
+                    };
+                    let began = Instant::now();
+                    let outcome = load.run();
+                    connects[index].push(began.elapsed());
+                    outcomes[index].errors += outcome.errors;
+                }
+            }
             for index in [round % 2, 1 - round % 2] {
                 let (server, tls) = listeners[index].clone();
                 let load = Load {
@@ -187,6 +208,17 @@ impl Run {
         print("Arcline, one tag, TLS", connections, tls);
         let ratio = tls.rate() / plain.rate();
         println!("{:>56} {ratio:.3} of the plain rate", "");
+        let [plain_connect, tls_connect] = connects.map(|mut times| {
+            times.sort_unstable();
+            times[times.len() / 2].as_secs_f64()
+        });
+        println!(
+            "{:>56} to connect and read once: {:.0} µs plain, {:.0} µs over TLS, {:.0} handshakes a second of one client",
+            "",
+            plain_connect * 1e6,
+            tls_connect * 1e6,
+            1.0 / (tls_connect - plain_connect).max(1e-9)
+        );
         // spec/security.md: the permitted cost of TLS.
         assert!(smoke || ratio >= 0.7, "reads over TLS: {ratio:.3} of the plain rate");
         plain.errors + tls.errors
