@@ -142,7 +142,8 @@ export function calm(delay, action) {
 }
 
 /**
- * A function that is true at most once in so many milliseconds. For numbers that nobody could read in each frame: each change lays out and paints the page.
+ * Makes a function that returns true when it last returned true at least `ms` milliseconds ago, and at its first call. Views use it for numbers
+ * that change faster than people read: each new text makes the browser lay out and paint the page.
  * @param {number} ms
  * @returns {() => boolean}
  */

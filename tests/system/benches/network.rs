@@ -8,6 +8,7 @@ use std::net::SocketAddr;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use arcline_client::Tls;
 use arcline_system_tests::load::{Load, Outcome, Question, read, read_all, serve_echo};
 use arcline_system_tests::python::Python;
 use arcline_system_tests::secured::Secured;
@@ -89,12 +90,12 @@ impl Run {
     fn of(self, question: &Question, connections: usize, server: SocketAddr) -> Outcome {
         let mut all = Outcome::default();
         for _ in 0..self.rounds {
-            all.add(self.once(question, connections, server));
+            all.add(self.once(question, connections, server, None));
         }
         all
     }
 
-    fn once(self, question: &Question, connections: usize, server: SocketAddr) -> Outcome {
+    fn once(self, question: &Question, connections: usize, server: SocketAddr, tls: Option<Tls>) -> Outcome {
         let question = question.clone();
         Load {
             server,
@@ -102,7 +103,7 @@ impl Run {
             connections,
             time: self.time,
             pace: None,
-            tls: None,
+            tls,
         }
         .run()
     }
@@ -110,7 +111,7 @@ impl Run {
     /// Against the server and the echo in turns; how many answers were wrong.
     fn beside_echo(self, what: &str, question: &Question, connections: usize, server: &Server, echo: &Other) -> usize {
         let idle = idle(server.process());
-        let (request, reply) = self.once(question, connections, server.address()).sizes;
+        let (request, reply) = self.once(question, connections, server.address(), None).sizes;
         let same = Question::Echo { request, reply };
         let (mut ours, mut bare) = (Outcome::default(), Outcome::default());
         let mut ratios = Vec::with_capacity(self.rounds);
@@ -125,7 +126,7 @@ impl Run {
                     (&same, echo.address, echo.child.id())
                 };
                 let before = processor_time(process);
-                let outcome = self.once(asked, connections, address);
+                let outcome = self.once(asked, connections, address, None);
                 busy[usize::from(!is_ours)] += processor_time(process).saturating_sub(before);
                 rates[usize::from(!is_ours)] = outcome.rate();
                 if is_ours { &mut ours } else { &mut bare }.add(outcome);
@@ -169,38 +170,26 @@ impl Run {
             (server.address(), None),
             (server.tls().expect("it has TLS"), Some(secured.tls())),
         ];
+        let question = Question::Connected(read("Bench"), SIZE);
+        let connecting = Self {
+            time: Duration::ZERO,
+            ..self
+        };
         let mut outcomes = [Outcome::default(), Outcome::default()];
         // The times from no connection to an open class 3 connection that has answered: with TLS, a whole handshake each.
         let mut connects = [Vec::new(), Vec::new()];
         for round in 0..self.rounds {
             for index in [round % 2, 1 - round % 2] {
+                let (server, tls) = listeners[index].clone();
                 for _ in 0..CONNECTS {
-                    let load = Load {
-                        server: listeners[index].0,
-                        question: Question::Connected(read("Bench"), SIZE),
-                        connections: 1,
-                        time: Duration::ZERO,
-                        pace: None,
-                        // Of a certificate that was read anew, which has no session to resume.
-                        tls: (index == 1).then(|| secured.tls()),
-                    };
+                    // A certificate that was read anew has no session to resume.
+                    let tls = tls.is_some().then(|| secured.tls());
                     let began = Instant::now();
-                    let outcome = load.run();
+                    let outcome = connecting.once(&question, 1, server, tls);
                     connects[index].push(began.elapsed());
                     outcomes[index].errors += outcome.errors;
                 }
-            }
-            for index in [round % 2, 1 - round % 2] {
-                let (server, tls) = listeners[index].clone();
-                let load = Load {
-                    server,
-                    question: Question::Connected(read("Bench"), SIZE),
-                    connections,
-                    time: self.time,
-                    pace: None,
-                    tls,
-                };
-                outcomes[index].add(load.run());
+                outcomes[index].add(self.once(&question, connections, server, tls));
             }
         }
         let [plain, tls] = &outcomes;

@@ -8,15 +8,7 @@ use std::process::Command;
 fn crates_with_features(selection: &[&str], kinds: &str) -> BTreeSet<String> {
     let output = Command::new(std::env::var_os("CARGO").expect("cargo starts the tests"))
         .args([
-            "tree",
-            "--locked",
-            "--prefix",
-            "none",
-            "--format",
-            "{p} {f}",
-            "--no-dedupe",
-            "--edges",
-            kinds,
+            "tree", "--locked", "--prefix", "none", "--format", "{p} {f}", "--edges", kinds,
         ])
         .args(selection)
         .current_dir(arcline_tests::workspace())
@@ -26,7 +18,8 @@ fn crates_with_features(selection: &[&str], kinds: &str) -> BTreeSet<String> {
     let text = String::from_utf8(output.stdout).expect("cargo tree writes UTF-8");
     text.lines()
         .filter(|line| !line.starts_with("arcline-"))
-        .map(|line| line.replace(" (proc-macro)", ""))
+        // What stands behind a crate that was listed before, and behind macros.
+        .map(|line| line.replace(" (*)", "").replace(" (proc-macro)", ""))
         .collect()
 }
 
