@@ -320,7 +320,12 @@ fn log() {
 fn check(config: &Path) -> Result<ExitCode, Failure> {
     let (text, file) = read(Some(config))?;
     match arcline_config::load_all(&text, &file) {
-        Ok(project) => print(&arcline_config::describe(&project)),
+        Ok(project) => {
+            for warning in warnings(&project, config) {
+                eprintln!("arcline-server: warning: {warning}");
+            }
+            print(&arcline_config::describe(&project))
+        }
         Err(errors) => {
             for error in &errors {
                 eprintln!("arcline-server: {error}");
@@ -328,6 +333,15 @@ fn check(config: &Path) -> Result<ExitCode, Failure> {
             Ok(ExitCode::from(WRONG))
         }
     }
+}
+
+/// The files of `[security]` that a server could not use. They are no errors of the configuration: the keys of a server need not be on the computer
+/// that checks it.
+fn warnings(project: &Project, config: &Path) -> Vec<String> {
+    let folder = config.parent().unwrap_or(Path::new(""));
+    doctor::defects_of_security(&project.server.security, folder)
+        .map(|defect| format!("{}: {}", defect.check, defect.found))
+        .collect()
 }
 
 /// Prints the objects that a configuration creates, or all its errors, as one JSON object.
@@ -355,9 +369,12 @@ fn check_as_json(config: &Path) -> Result<ExitCode, Failure> {
             "tags": project.tags.len(),
         })
     });
+    let warnings = loaded
+        .as_ref()
+        .map_or_else(|_| Vec::new(), |project| warnings(project, config));
     print(&format!(
         "{}\n",
-        json!({"file": file, "valid": loaded.is_ok(), "errors": errors, "creates": creates})
+        json!({"file": file, "valid": loaded.is_ok(), "errors": errors, "warnings": warnings, "creates": creates})
     ))?;
     Ok(ExitCode::from(if loaded.is_ok() { 0 } else { WRONG }))
 }

@@ -195,6 +195,34 @@ fn a_check_prints_all_errors_as_text_or_json() {
 }
 
 #[test]
+fn a_check_warns_of_files_that_a_server_could_not_use() {
+    let files = Files::new();
+    let config = files.write("machine.toml", "[security]\nusers = \"people.toml\"\n");
+    let check = |args: &[&str]| {
+        let out = server()
+            .arg("check")
+            .args(args)
+            .arg("--config")
+            .arg(&config)
+            .output()
+            .expect("the server runs");
+        assert_eq!(out.status.code(), Some(0), "{out:?}");
+        [out.stdout, out.stderr].map(|text| String::from_utf8(text).expect("UTF-8"))
+    };
+    let [_, text] = check(&[]);
+    assert!(text.starts_with("arcline-server: warning: users: "), "{text}");
+    assert!(text.contains("people.toml"), "{text}");
+    let [out, text] = check(&["--json"]);
+    assert!(text.is_empty(), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!(
+        (&json["valid"], json["warnings"].as_array().map(Vec::len)),
+        (&true.into(), Some(1)),
+        "{json}"
+    );
+}
+
+#[test]
 fn a_certificate_of_a_client_is_replaced_only_on_demand() {
     let files = Files::new();
     let certs = |arguments: &[&str]| {

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::case::{Case, Invalid};
-use crate::outcome::{INVALID, Outcome};
+use crate::outcome::{DEFECT, INVALID, Outcome};
 use crate::resume::{Finished, Other};
 use crate::worker::{Defaults, Worker};
 
@@ -50,6 +50,8 @@ pub struct Done {
     pub results: u64,
     /// Of those, cases that were not run.
     pub invalid: u64,
+    /// Of those, cases that found a defect of Arcline ([`DEFECT`]).
+    pub defects: u64,
     /// Of those, cases that were run and whose trace could not be written.
     pub untraced: u64,
 }
@@ -61,6 +63,7 @@ impl Add for Done {
         Done {
             results: self.results + more.results,
             invalid: self.invalid + more.invalid,
+            defects: self.defects + more.defects,
             untraced: self.untraced + more.untraced,
         }
     }
@@ -331,6 +334,7 @@ impl<W: Write> Results<'_, W> {
             self.next += 1;
             self.done.results += 1;
             self.done.invalid += u64::from(outcome.end == INVALID);
+            self.done.defects += u64::from(outcome.end == DEFECT);
             self.done.untraced += u64::from(outcome.trace_error.is_some());
             if !(self.tell)(&outcome) {
                 self.is_over = true;

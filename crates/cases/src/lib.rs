@@ -21,7 +21,7 @@ mod worker;
 pub use batch::{Batch, BatchError, Done, LARGEST};
 pub use case::{Case, FaultAt, FaultTime, Invalid, Pairs, QueueFullWord};
 pub use measures::Measures;
-pub use outcome::{INVALID, Outcome, Peak, Raised, text_hash};
+pub use outcome::{DEFECT, INVALID, Outcome, Peak, Raised, text_hash};
 pub use resume::{Finished, Other, finished};
 pub use trace::TraceFile;
 pub use worker::{Defaults, Prepared, Worker, prepared};

@@ -20,7 +20,7 @@ pub struct Outcome {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<serde_json::Value>,
     /// How it ended: `finished`; `erred`, by an instruction; `failed`, the program could not go on; `timeout`; `fault`, of a task of a project;
-    /// [`INVALID`], it was not run.
+    /// [`INVALID`], it was not run; [`DEFECT`], this program has one.
     pub end: &'static str,
     /// The error.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -118,7 +118,7 @@ impl Outcome {
         Outcome {
             case: Some(case),
             id: Case::parse(line).ok().and_then(|case| case.id),
-            end: "failed",
+            end: DEFECT,
             error: Some(format!("line {number}: a defect of Arcline: {why}")),
             version: VERSION,
             ..Outcome::default()
@@ -171,6 +171,9 @@ impl Outcome {
 
 /// The end of a case that was not run.
 pub const INVALID: &str = "invalid";
+
+/// The end of a case in which this program panicked.
+pub const DEFECT: &str = "defect";
 
 /// The version of Arcline.
 pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::batch::Done;
-use crate::outcome::INVALID;
+use crate::outcome::{DEFECT, INVALID};
 use crate::worker::Worker;
 
 /// The results that a file has.
@@ -89,6 +89,7 @@ pub fn finished(mut file: impl BufRead, from: u64) -> io::Result<Result<Finished
         };
         finished.done.results += 1;
         finished.done.invalid += u64::from(kept.end.as_deref() == Some(INVALID));
+        finished.done.defects += u64::from(kept.end.as_deref() == Some(DEFECT));
         finished.done.untraced += u64::from(kept.trace_error.is_some());
         finished.bytes += line.len() as u64;
         finished.last = Some(kept);

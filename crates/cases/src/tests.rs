@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::worker::Worker;
-use crate::{Batch, BatchError, Defaults, Done, Finished, Other, finished};
+use crate::{Batch, BatchError, DEFECT, Defaults, Done, Finished, Other, finished};
 
 const MOVE: &str = "MCLM(CS1, M1, Absolute, [10, 5, 0], 100, Unitspersec, 1000, Unitspersec2, 1000, Unitspersec2);";
 
@@ -132,7 +132,7 @@ fn a_case_that_cannot_be_run_is_told_with_its_line_and_ends_nothing() {
         Done {
             results: 16,
             invalid: 14,
-            untraced: 0
+            ..Done::default()
         }
     );
     #[rustfmt::skip]
@@ -282,6 +282,7 @@ fn a_file_of_results_is_gone_on_with_behind_its_last_whole_line() {
         results: 3,
         invalid: 1,
         untraced: 1,
+        ..Done::default()
     };
     assert_eq!((three.done, three.bytes), (done, lines.len() as u64));
     for torn in ["{\"case\":8,\"en", "{\"ca", "{"] {
@@ -373,12 +374,15 @@ fn a_panic_is_the_result_of_its_case() {
     };
     let mut output = Vec::new();
     let done = batch(2).run_with(lines.as_bytes(), &mut output, &mut |_| true, &run_line);
-    assert_eq!(done.expect("it ends").results, 10);
+    let done = done.expect("it ends");
+    assert_eq!((done.results, done.invalid, done.defects), (10, 0, 1));
+    let again = finished(output.as_slice(), 0).expect("readable").expect("results");
+    assert_eq!(again.done, done, "a batch that is continued counts it too");
     let text = String::from_utf8(output).expect("JSON is UTF-8");
     for (number, line) in text.lines().enumerate() {
         let result: Value = serde_json::from_str(line).expect("a result is JSON");
         assert_eq!((&result["case"], &result["id"]), (&number.into(), &number.into()));
-        let expected = if number == 3 { "failed" } else { "finished" };
+        let expected = if number == 3 { DEFECT } else { "finished" };
         assert_eq!(result["end"], expected, "{line}");
         if number == 3 {
             assert_eq!(result["error"], "line 4: a defect of Arcline: case 3");

@@ -265,7 +265,7 @@ motion_errors! {
     50 CoordinateSystemNotInGroup "Coordinate System Not In Group" "It is in no motion group, or its axes are in another." "Assign it to the group of its axes.";
     51 InvalidActualTolerance "Invalid Actual Tolerance" "Termination type 0 with an Actual Position Tolerance of 0." "Set the tolerance, or use another termination type.";
     52 CoordinatedMotionInProcess(AxisIndex) "Coordinated Motion In Process" "Another coordinated motion holds the axes." "Wait for it, stop it, or merge.";
-    53 AxisIsInhibited(AxisIndex) "Axis Is Inhibited" "The axis is inhibited." "Release STOP, or uninhibit the axis.";
+    53 AxisIsInhibited(AxisIndex) "Axis Is Inhibited" "The axis is inhibited." "Release STOP (`arcline release`), or uninhibit the axis.";
     54 ZeroMaxDecel(Culprit) "Zero Max Decel" "The Maximum Deceleration is 0." "Set the Maximum Deceleration.";
     61 ConnectionConflict(Detail CONNECTION) "Connection Conflict" "The transform cannot be set up." "Correct the two coordinate systems.";
     62 TransformInProgress "Transform In Progress" "The coordinate system is already part of a transform." "Stop that transform first.";

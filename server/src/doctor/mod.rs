@@ -11,6 +11,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use arcline_config::Security;
 use clap::Args;
 use serde::Serialize;
 use serde_json::json;
@@ -33,6 +34,13 @@ pub(crate) struct DoctorArgs {
     /// Print the result as one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// What a server could not use of the files of `[security]`; relative names begin at `folder`.
+pub(crate) fn defects_of_security(security: &Security, folder: &Path) -> impl Iterator<Item = Finding> {
+    files::security(security, folder)
+        .into_iter()
+        .filter(|finding| finding.grade != Grade::Ok)
 }
 
 /// The value of --measure.

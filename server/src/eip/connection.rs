@@ -144,10 +144,9 @@ where
         .enter(number, ClientIdentity::of_address(&name, Some(peer)), role, interface);
     // Held as long as the certificate holds.
     let certified = tls.map(|(tls, client)| {
-        let close = tls.enter(number, client, &device.plant);
-        (tls, close)
+        tls.enter(number, client, &device.plant, close.clone());
+        tls
     });
-    let revoked = certified.as_ref().map(|(_, close)| close.clone()).unwrap_or_default();
     let rate = device.settings.config.security.max_requests_of(role);
     let mut connection = Connection {
         stream,
@@ -173,19 +172,11 @@ where
             .filter(|rate| *rate > 0)
             .map(|rate| Rate::new(rate, Instant::now())),
     };
-    let ended = revoked
-        .run_until_cancelled(close.run_until_cancelled(connection.run()))
-        .await;
-    let ended = match ended {
-        Some(Some(ended)) => ended,
-        Some(None) => Ended::Crowded,
-        None => Ended::Revoked,
-    };
+    let ended = close.run_until_cancelled(connection.run()).await;
     // Says goodbye to a TLS peer, if that takes no time.
     let _ = at_once(pin!(connection.stream.shutdown())).await;
-    if let Some((tls, _)) = certified {
-        tls.leave(number);
-    }
+    let is_revoked = certified.is_some_and(|tls| !tls.leave(number));
+    let ended = ended.unwrap_or(if is_revoked { Ended::Revoked } else { Ended::Crowded });
     connection.session.handle_disconnect(&mut connection.host);
     let in_order = matches!(ended, Ended::Session(CloseReason::Unregistered));
     let device = &connection.host.device;

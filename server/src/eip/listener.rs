@@ -177,7 +177,13 @@ async fn accept_each<A: Accept, F>(
 {
     let mut connections = JoinSet::new();
     loop {
-        match listener.accept().await {
+        let accepted = tokio::select! {
+            biased;
+            // The memory of a connection that has ended is free at once, not when the next client comes.
+            Some(_) = connections.join_next() => continue,
+            accepted = listener.accept() => accepted,
+        };
+        match accepted {
             Ok((_, peer)) if !allow.allows(peer.ip()) => {
                 device.plant.log_limit().warn("allow", Some(peer.ip()), || {
                     format!(
@@ -202,7 +208,6 @@ async fn accept_each<A: Accept, F>(
                 tokio::time::sleep(ACCEPT_PAUSE).await;
             }
         }
-        while connections.try_join_next().is_some() {}
     }
 }
 

@@ -101,7 +101,13 @@ pub(super) async fn accept(listener: Listener, shared: Arc<Shared>) {
     let router = router(shared.clone());
     let mut connections = JoinSet::new();
     loop {
-        match listener.acceptor.accept().await {
+        let accepted = tokio::select! {
+            biased;
+            // The memory of a connection that has ended is free at once, not when the next browser comes.
+            Some(_) = connections.join_next() => continue,
+            accepted = listener.acceptor.accept() => accepted,
+        };
+        match accepted {
             Ok((_, peer)) if !shared.plant.server().security.hmi_allow.allows(peer.ip()) => {
                 shared.plant.log_limit().warn("allow", Some(peer.ip()), || {
                     format!("a browser was closed: {} is in no network of hmi_allow", peer.ip())
@@ -131,7 +137,6 @@ pub(super) async fn accept(listener: Listener, shared: Arc<Shared>) {
                 tokio::time::sleep(ACCEPT_PAUSE).await;
             }
         }
-        while connections.try_join_next().is_some() {}
     }
 }
 

@@ -9,14 +9,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use arcline_cases::{Batch, BatchError, Defaults, Done, INVALID, finished};
+use arcline_cases::{Batch, BatchError, DEFECT, Defaults, Done, INVALID, finished};
 
 use super::output::is_standard_output;
 use super::{SimulateArgs, cannot_write, is_l5x};
 use crate::cli::{Failure, WRONG};
 
 /// Runs the cases of a file. The exit code is 0 when every case was run, however it ended, 2 when one could not be, and 1 when a result or a trace could
-/// not be written. The results of a batch that is continued count too.
+/// not be written or a case found a defect of Arcline. The results of a batch that is continued count too.
 pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure> {
     if is_l5x(args.program()) {
         return Err(Failure::usage("--cases runs Structured Text, and no projects (.L5X)"));
@@ -63,7 +63,7 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
     };
     let shown = cases.display();
     let done = batch.run(input, output, &mut |outcome| {
-        if outcome.end == INVALID {
+        if [INVALID, DEFECT].contains(&outcome.end) {
             let why = outcome.error.as_deref().unwrap_or_default();
             eprintln!("{shown}: {why}");
         }
@@ -81,11 +81,16 @@ pub(super) fn run(args: &SimulateArgs, cases: &Path) -> Result<ExitCode, Failure
     let Done {
         results,
         invalid,
+        defects,
         untraced,
     } = before + done;
     if invalid > 0 {
         let text = format!("{shown}: {invalid} of {results} cases could not be run");
         return Err(Failure::new(WRONG, text));
+    }
+    if defects > 0 {
+        let text = format!("{shown}: {defects} of {results} cases found a defect of Arcline");
+        return Err(Failure::new(1, text));
     }
     if untraced > 0 {
         let text = format!("{shown}: {untraced} of {results} traces could not be written");

@@ -236,15 +236,11 @@ impl Tls {
         }
     }
 
-    /// A connection whose session the plant knows lives by a certificate from now on; the token closes it. It is cancelled already when the
+    /// A connection whose session the plant knows lives by a certificate from now on; `close` closes it. It is cancelled at once when the
     /// certificate was revoked while the handshake ran. A certificate and a role that a reload has not checked are checked here, both under
     /// one lock.
-    pub(crate) fn enter(&self, session: u64, client: TlsClient, plant: &Plant) -> CancellationToken {
-        let close = CancellationToken::new();
-        let live = Live {
-            client,
-            close: close.clone(),
-        };
+    pub(crate) fn enter(&self, session: u64, client: TlsClient, plant: &Plant, close: CancellationToken) {
+        let live = Live { client, close };
         let mut all = self.live();
         match self.trust.load().judge(&live.client, now()) {
             Ok(()) => {
@@ -253,12 +249,11 @@ impl Tls {
             }
             Err(reason) => live.close(&reason),
         }
-        close
     }
 
-    /// A connection has ended.
-    pub(crate) fn leave(&self, session: u64) {
-        self.live().remove(&session);
+    /// A connection has ended. Returns whether its certificate still held.
+    pub(crate) fn leave(&self, session: u64) -> bool {
+        self.live().remove(&session).is_some()
     }
 
     /// Takes the files over as they are now, and judges every open connection by them.

@@ -63,7 +63,8 @@ fn shown(folder: &Path, name: &str) -> TlsClient {
 async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     let (folder, tls) = bench();
     let (plant, _thread) = plant();
-    let close = tls.enter(1, shown(folder.path(), "hmi.pem"), &plant);
+    let close = CancellationToken::new();
+    tls.enter(1, shown(folder.path(), "hmi.pem"), &plant, close.clone());
     assert!(!close.is_cancelled(), "it holds");
     let revoke = CertsCommand::Revoke {
         folder: folder.path().to_owned(),
@@ -72,11 +73,10 @@ async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     certs::run(&revoke).expect("it is revoked");
     tls.reload(&plant);
     assert!(close.is_cancelled(), "an open connection");
-    assert!(
-        tls.enter(2, shown(folder.path(), "hmi.pem"), &plant).is_cancelled(),
-        "one whose handshake is done"
-    );
-    assert!(tls.live().is_empty());
+    let late = CancellationToken::new();
+    tls.enter(2, shown(folder.path(), "hmi.pem"), &plant, late.clone());
+    assert!(late.is_cancelled(), "one whose handshake is done");
+    assert!(!tls.leave(1) && !tls.leave(2), "their certificate does not hold");
 }
 
 /// The rows of a configuration that is read again hold for open connections, and for one whose handshake was done by the rows of before.
@@ -86,7 +86,8 @@ async fn other_rows_give_open_connections_other_roles() {
     let (plant, _thread) = plant();
     let client = shown(folder.path(), "hmi.pem");
     let role_of = |session| plant.roles().of(Principal::Client { session, connection: 0 });
-    let close = tls.enter(1, client.clone(), &plant);
+    let close = CancellationToken::new();
+    tls.enter(1, client.clone(), &plant, close.clone());
     assert_eq!(role_of(1), Role::Operator, "without a row");
     let row = |role| Security {
         certificates: vec![CertificateRole {
@@ -101,7 +102,7 @@ async fn other_rows_give_open_connections_other_roles() {
         tls.set_roles(&row(role), &plant);
         // The role that the handshake found is not that of now.
         plant.roles().set(2, Role::Administrator);
-        let _ = tls.enter(2, client.clone(), &plant);
+        tls.enter(2, client.clone(), &plant, CancellationToken::new());
         assert_eq!(role_of(2), role, "the one that comes in");
         tls.reload(&plant);
         assert_eq!(role_of(1), role, "the open one");
@@ -111,7 +112,7 @@ async fn other_rows_give_open_connections_other_roles() {
     tls.set_roles(&Security::default(), &plant);
     tls.reload(&plant);
     assert_eq!(role_of(1), Role::Viewer);
-    assert!(!close.is_cancelled(), "its certificate holds");
+    assert!(!close.is_cancelled() && tls.leave(1), "its certificate holds");
 }
 
 #[tokio::test]

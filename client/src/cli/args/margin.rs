@@ -4,16 +4,18 @@ use clap::Args;
 
 use arcline_instruction_set::BlendedSequence;
 
+use super::values::{milliseconds, speed};
+
 #[derive(Args, Debug)]
 pub(crate) struct Margin {
     /// Moves of the sequence, the first and the last included
     #[arg(value_name = "MOVES", value_parser = clap::value_parser!(u32).range(1..))]
     moves: u32,
     /// Speed of the master axis, master units/s
-    #[arg(long, value_name = "V", allow_hyphen_values = true)]
+    #[arg(long, value_name = "V", allow_hyphen_values = true, value_parser = speed)]
     master_speed: f64,
     /// The coarse update period, ms
-    #[arg(long, value_name = "MS", default_value = "1")]
+    #[arg(long, value_name = "MS", default_value = "1", value_parser = milliseconds)]
     update_period: f64,
     /// The first move is blended over its full length (a Command Tolerance of 100 %)
     #[arg(long)]

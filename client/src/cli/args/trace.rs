@@ -18,8 +18,8 @@ pub(crate) struct Trace {
     /// Duration from the trigger on; by default until Ctrl-C
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) duration: Option<f64>,
-    /// The file to write
-    #[arg(short, long, value_name = "OUT.csv|.mcap")]
+    /// The file to write; `-`: CSV on the standard output
+    #[arg(short, long, value_name = "OUT.csv|.mcap|-")]
     pub(crate) output: PathBuf,
     /// Only every nth tick
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]

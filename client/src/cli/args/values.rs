@@ -95,6 +95,20 @@ pub(super) fn fault_parser() -> impl clap::builder::TypedValueParser<Value = Fau
     .try_map(|word| FaultKind::from_word(&word).ok_or("no kind of fault"))
 }
 
+/// An update period of 1 µs to a minute, ms.
+pub(super) fn milliseconds(text: &str) -> Result<f64, String> {
+    number(text)
+        .filter(|period| (0.001..=60_000.0).contains(period))
+        .ok_or_else(|| format!("{text:?} is no update period, expected milliseconds such as 2"))
+}
+
+/// A speed of either sign, units/s.
+pub(super) fn speed(text: &str) -> Result<f64, String> {
+    number(text)
+        .filter(|speed| speed.abs() <= 1e15)
+        .ok_or_else(|| format!("{text:?} is no speed, expected a number such as 500"))
+}
+
 /// A time of 1 ms to a year.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     number(text)

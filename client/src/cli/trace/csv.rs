@@ -5,18 +5,27 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// A file that is being written.
-#[derive(Debug)]
+/// A file that is being written, or the standard output.
 pub(super) struct Csv {
-    file: BufWriter<File>,
+    file: BufWriter<Box<dyn Write + Send>>,
     period: Duration,
 }
 
 impl Csv {
     pub(super) fn create(path: &Path, signals: &[String], period: Duration) -> io::Result<Self> {
-        let mut file = BufWriter::new(File::create(path)?);
+        let file: Box<dyn Write + Send> = if is_standard(path) {
+            Box::new(io::stdout())
+        } else {
+            Box::new(File::create(path)?)
+        };
+        let mut file = BufWriter::new(file);
         writeln!(file, "tick,time_s,{}", signals.join(","))?;
         Ok(Self { file, period })
+    }
+
+    /// Shows what has been written to whoever reads along.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
     }
 
     pub(super) fn row(&mut self, tick: u64, row: &[f64]) -> io::Result<()> {
@@ -34,6 +43,11 @@ impl Csv {
     pub(super) fn finish(mut self) -> io::Result<()> {
         self.file.flush()
     }
+}
+
+/// Whether a path means the standard output.
+pub(super) fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
 }
 
 /// The shortest decimal that reads back to the same number; whole numbers without point.

@@ -4,7 +4,7 @@ mod csv;
 
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{self, BufWriter, ErrorKind};
 use std::time::Duration;
 
 use serde_json::json;
@@ -51,14 +51,23 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
         trigger: command.trigger.as_ref().map(|text| text.0.clone()).unwrap_or_default(),
     };
     let at = |source| Failure::at(&command.output, source);
-    let is_mcap = match command.output.extension().and_then(|ending| ending.to_str()) {
-        Some(ending) if ending.eq_ignore_ascii_case("csv") => false,
-        Some(ending) if ending.eq_ignore_ascii_case("mcap") => true,
-        _ => {
-            let shown = command.output.display();
-            return Err(Failure::Usage(format!("{shown} ends neither in .csv nor in .mcap")));
-        }
-    };
+    let is_standard = csv::is_standard(&command.output);
+    if is_standard && output.is_json() {
+        return Err(Failure::Usage(
+            "the standard output takes a trace as CSV: leave out --json".to_owned(),
+        ));
+    }
+    let is_mcap = !is_standard
+        && match command.output.extension().and_then(|ending| ending.to_str()) {
+            Some(ending) if ending.eq_ignore_ascii_case("csv") => false,
+            Some(ending) if ending.eq_ignore_ascii_case("mcap") => true,
+            _ => {
+                let shown = command.output.display();
+                return Err(Failure::Usage(format!(
+                    "{shown} ends neither in .csv nor in .mcap, and is not -, the standard output"
+                )));
+            }
+        };
     let mut sink = if is_mcap {
         let file = BufWriter::new(File::create(&command.output).map_err(at)?);
         Sink::Mcap(Mcap::new(file, &request.signals, period).map_err(at)?)
@@ -74,7 +83,10 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
         Sink::Csv(csv) => csv.finish(),
         Sink::Mcap(mcap) => mcap.finish(),
     };
-    finished.map_err(at)?;
+    match finished {
+        Err(error) if is_standard && error.kind() == ErrorKind::BrokenPipe => {}
+        finished => finished.map_err(at)?,
+    }
     let Taken { rows, missing } = result?;
     let (shown, width) = (command.output.display().to_string(), request.signals.len());
     let gap = if missing == 0 {
@@ -82,12 +94,17 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     } else {
         format!("{} missing", counted(missing, "tick"))
     };
+    let text = format!(
+        "{shown}: {} of {}, {gap}",
+        counted(rows, "row"),
+        counted(width, "signal")
+    );
+    if is_standard {
+        output.note(text.trim_start_matches("-: "));
+        return Ok(());
+    }
     output.result(
-        format!(
-            "{shown}: {} of {}, {gap}",
-            counted(rows, "row"),
-            counted(width, "signal")
-        ),
+        text,
         || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
     );
     Ok(())
@@ -129,6 +146,14 @@ async fn follow(
     let mut from = 0;
     let mut interrupted = std::pin::pin!(wait::interrupted());
     let (mut waited, mut told) = (false, false);
+    let is_standard = csv::is_standard(&command.output);
+    // A reader of the standard output that has gone away (`| head`) ends the trace.
+    let is_wanted = |written: io::Result<()>| match written {
+        Err(error) if is_standard && error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        written => written
+            .map(|()| true)
+            .map_err(|source| Failure::at(&command.output, source)),
+    };
     loop {
         let read = client.read_trace(instance, from).await?;
         if read.rows.is_empty() {
@@ -161,7 +186,15 @@ async fn follow(
                 Sink::Csv(csv) => csv.row(tick, row),
                 Sink::Mcap(mcap) => mcap.row(tick, row),
             };
-            written.map_err(|source| Failure::at(&command.output, source))?;
+            if !is_wanted(written)? {
+                return Ok(taken);
+            }
+        }
+        if let Sink::Csv(csv) = sink
+            && is_standard
+            && !is_wanted(csv.flush())?
+        {
+            return Ok(taken);
         }
         taken.rows += read.rows.len() as u64;
         from = read.next();

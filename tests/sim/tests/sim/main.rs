@@ -161,6 +161,7 @@ const SOMETIMES: &[&str] = &[
     "a class 3 connection",
     "a client that does not read",
     "a client without the right is refused",
+    "a command finds no room",
     "a crowd of silent clients",
     "a fault is injected",
     "a foreign session handle",

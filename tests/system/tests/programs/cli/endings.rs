@@ -242,6 +242,7 @@ fn mistakes_are_told_in_words() {
         ("a trace that is no CSV",     &["plot", &mcap, "-o", &svg],      2, "plot reads traces in CSV only"),
         ("an axis to explain",         &["explain", "X"],                 2, "expected a tag of an instruction; `arcline fault list`"),
         ("a machine that is not told", &["gcode", &part, "Gantry", "--simulate"], 2, "--config FILE simulates another one"),
+        ("a margin at no speed",       &["margin", "5", "--master-speed", "inf"], 2, "\"inf\" is no speed, expected a number such as 500"),
         ("too long an array",          &["read", "Move1.Position{10}"],   2, "an array of 9"),
     ];
     for (why, arguments, code, message) in cases {

@@ -67,6 +67,10 @@ fn every_tick_is_in_the_file() {
         "all axes, every tenth tick"
     );
     assert_eq!(rows[1][0], rows[0][0] + 10.0);
+    let piped = arcline(at, &["trace", "X", "--for", "0.1", "-o", "-"]).expect(0);
+    assert_eq!(piped.stdout.lines().count(), 1 + 100, "{piped:?}");
+    assert!(piped.stdout.starts_with("tick,time_s,X.CommandPosition,"), "{piped:?}");
+    assert!(piped.stderr.starts_with("100 rows of 4 signals"), "{piped:?}");
     for (why, arguments, message) in [
         (
             "no such signal",
