@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::time::UNIX_EPOCH;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -12,6 +13,11 @@ use arcline_instruction_set::Ending;
 
 use super::Failure;
 use super::wait::Completed;
+
+/// Whether the path of an output file is `-`, the standard output.
+pub(crate) fn is_standard_output(path: &Path) -> bool {
+    path == Path::new("-")
+}
 
 /// The output of results.
 #[derive(Debug)]

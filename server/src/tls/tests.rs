@@ -76,6 +76,7 @@ async fn a_certificate_that_is_revoked_during_its_handshake_does_not_get_in() {
     let late = CancellationToken::new();
     tls.enter(2, shown(folder.path(), "hmi.pem"), &plant, late.clone());
     assert!(late.is_cancelled(), "one whose handshake is done");
+    assert!(tls.live().is_empty());
     assert!(!tls.leave(1) && !tls.leave(2), "their certificate does not hold");
 }
 

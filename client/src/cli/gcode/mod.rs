@@ -6,7 +6,6 @@ mod source;
 
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::Path;
 
 use serde_json::json;
 
@@ -14,7 +13,7 @@ use arcline_client::{Client, Event, Object, ProgramError, Runner};
 use arcline_gcode::Options;
 
 use super::args::{Gcode, Unit};
-use super::output::counted;
+use super::output::{counted, is_standard_output};
 use super::wait::{self, StopCommand};
 use super::{Failure, Output};
 use source::{Counts, Source};
@@ -33,13 +32,13 @@ pub(crate) fn without_server(command: &Gcode, output: &Output) -> Result<(), Fai
     let source = Source { command, options };
     let counts = source.counts()?;
     match &command.emit {
-        Some(target) if target == Path::new("-") && output.is_json() => {
+        Some(target) if is_standard_output(target) && output.is_json() => {
             let mut text = Vec::new();
             let written = source.write(&mut text)?;
             written.map_err(|error| Failure::at(target, error))?;
             output.result("", || json!({"text": String::from_utf8_lossy(&text)}));
         }
-        Some(target) if target == Path::new("-") => {
+        Some(target) if is_standard_output(target) => {
             // A reader that has gone away (`| head`) is no error.
             let _ = source.write(&mut BufWriter::new(io::stdout().lock()))?;
         }

@@ -5,6 +5,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::time::Duration;
 
+use crate::cli::output::is_standard_output;
+
 /// A file that is being written, or the standard output.
 pub(super) struct Csv {
     file: BufWriter<Box<dyn Write + Send>>,
@@ -13,7 +15,7 @@ pub(super) struct Csv {
 
 impl Csv {
     pub(super) fn create(path: &Path, signals: &[String], period: Duration) -> io::Result<Self> {
-        let file: Box<dyn Write + Send> = if is_standard(path) {
+        let file: Box<dyn Write + Send> = if is_standard_output(path) {
             Box::new(io::stdout())
         } else {
             Box::new(File::create(path)?)
@@ -21,11 +23,6 @@ impl Csv {
         let mut file = BufWriter::new(file);
         writeln!(file, "tick,time_s,{}", signals.join(","))?;
         Ok(Self { file, period })
-    }
-
-    /// Shows what has been written to whoever reads along.
-    pub(super) fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
     }
 
     pub(super) fn row(&mut self, tick: u64, row: &[f64]) -> io::Result<()> {
@@ -40,14 +37,10 @@ impl Csv {
         self.file.write_all(b"\n")
     }
 
-    pub(super) fn finish(mut self) -> io::Result<()> {
+    /// Writes the buffered rows to the file.
+    pub(super) fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
     }
-}
-
-/// Whether a path means the standard output.
-pub(super) fn is_standard(path: &Path) -> bool {
-    path == Path::new("-")
 }
 
 /// The shortest decimal that reads back to the same number; whole numbers without point.

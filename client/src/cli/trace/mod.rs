@@ -14,7 +14,7 @@ use arcline_client::{Client, ClientError, Object, TraceRequest, TraceState, Trig
 use arcline_mcap::Mcap;
 
 use super::args::Trace;
-use super::output::counted;
+use super::output::{counted, is_standard_output};
 use super::{Failure, Output, wait};
 use csv::Csv;
 
@@ -51,7 +51,7 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
         trigger: command.trigger.as_ref().map(|text| text.0.clone()).unwrap_or_default(),
     };
     let at = |source| Failure::at(&command.output, source);
-    let is_standard = csv::is_standard(&command.output);
+    let is_standard = is_standard_output(&command.output);
     if is_standard && output.is_json() {
         return Err(Failure::Usage(
             "the standard output takes a trace as CSV: leave out --json".to_owned(),
@@ -80,13 +80,10 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     // The server would forget it in a minute anyway.
     let _ = client.delete_trace(instance).await;
     let finished = match sink {
-        Sink::Csv(csv) => csv.finish(),
+        Sink::Csv(mut csv) => csv.flush(),
         Sink::Mcap(mcap) => mcap.finish(),
     };
-    match finished {
-        Err(error) if is_standard && error.kind() == ErrorKind::BrokenPipe => {}
-        finished => finished.map_err(at)?,
-    }
+    is_wanted(finished, command)?;
     let Taken { rows, missing } = result?;
     let (shown, width) = (command.output.display().to_string(), request.signals.len());
     let gap = if missing == 0 {
@@ -94,17 +91,13 @@ pub(crate) async fn trace(client: &Client, command: &Trace, output: &Output) -> 
     } else {
         format!("{} missing", counted(missing, "tick"))
     };
-    let text = format!(
-        "{shown}: {} of {}, {gap}",
-        counted(rows, "row"),
-        counted(width, "signal")
-    );
+    let text = format!("{} of {}, {gap}", counted(rows, "row"), counted(width, "signal"));
     if is_standard {
-        output.note(text.trim_start_matches("-: "));
+        output.note(&text);
         return Ok(());
     }
     output.result(
-        text,
+        format!("{shown}: {text}"),
         || json!({"trace": shown, "rows": rows, "signals": request.signals, "missing": missing}),
     );
     Ok(())
@@ -146,14 +139,6 @@ async fn follow(
     let mut from = 0;
     let mut interrupted = std::pin::pin!(wait::interrupted());
     let (mut waited, mut told) = (false, false);
-    let is_standard = csv::is_standard(&command.output);
-    // A reader of the standard output that has gone away (`| head`) ends the trace.
-    let is_wanted = |written: io::Result<()>| match written {
-        Err(error) if is_standard && error.kind() == ErrorKind::BrokenPipe => Ok(false),
-        written => written
-            .map(|()| true)
-            .map_err(|source| Failure::at(&command.output, source)),
-    };
     loop {
         let read = client.read_trace(instance, from).await?;
         if read.rows.is_empty() {
@@ -186,18 +171,27 @@ async fn follow(
                 Sink::Csv(csv) => csv.row(tick, row),
                 Sink::Mcap(mcap) => mcap.row(tick, row),
             };
-            if !is_wanted(written)? {
+            if !is_wanted(written, command)? {
                 return Ok(taken);
             }
         }
         if let Sink::Csv(csv) = sink
-            && is_standard
-            && !is_wanted(csv.flush())?
+            && is_standard_output(&command.output)
+            && !is_wanted(csv.flush(), command)?
         {
             return Ok(taken);
         }
         taken.rows += read.rows.len() as u64;
         from = read.next();
+    }
+}
+
+/// Whether the output takes further rows, by the result of a write: a reader of the standard output that has gone away (`| head`) ends the trace.
+fn is_wanted(written: io::Result<()>, command: &Trace) -> Result<bool, Failure> {
+    match written {
+        Ok(()) => Ok(true),
+        Err(error) if is_standard_output(&command.output) && error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(Failure::at(&command.output, error)),
     }
 }
 
