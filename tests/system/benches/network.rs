@@ -1,10 +1,12 @@
 //! The speed of tag reads over the network, beside a bare echo of the same sizes and the servers of two other projects, all on
 //! this machine and in one run: `cargo bench -p arcline-system-tests --bench network`. Rounds take turns, so that whatever else the
-//! machine does meets all of them. Then plain reads beside the same over TLS, in turns. `-- --test` asks each a few times and measures nothing.
+//! machine does meets all of them. Then plain reads beside the same over TLS, in turns. `-- --test` asks each a few times and measures nothing;
+//! `-- --than FILE` compares with the server of another build, and with nothing else.
 #![allow(missing_docs)]
 
 use std::io::{BufRead, BufReader, Write as _};
 use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -36,9 +38,25 @@ fn main() {
     };
     let run = Run { rounds, time };
     let folder = tempfile::tempdir().expect("a folder");
-    let server = start(folder.path());
-    let echo = Other::echo();
+    let machine = machine(folder.path());
+    let server = Server::start_on(&machine);
     let mut faults = 0;
+    if let Some(flag) = arguments.iter().position(|argument| argument == "--than") {
+        let file = arguments
+            .get(flag + 1)
+            .expect("--than FILE: the server of another build");
+        let machine = machine.to_str().expect("a path of plain letters");
+        let other = Server::try_start(Command::new(file), &["--config", machine]).expect("the other build starts");
+        let question = Question::Connected(read("Bench"), SIZE);
+        for connections in [1, 32] {
+            let [ours, other] = [("this build", &server), ("the other build", &other)]
+                .map(|(name, server)| Rival::new(&format!("{name}, one tag"), &question, server));
+            faults += run.beside(connections, &ours, &other);
+        }
+        assert_eq!(faults, 0, "questions that had no right answer");
+        return;
+    }
+    let echo = Other::echo();
 
     for connections in [1, 32] {
         let question = Question::Connected(read("Bench"), SIZE);
@@ -110,53 +128,84 @@ impl Run {
 
     /// Against the server and the echo in turns; how many answers were wrong.
     fn beside_echo(self, what: &str, question: &Question, connections: usize, server: &Server, echo: &Other) -> usize {
-        let idle = idle(server.process());
         let (request, reply) = self.once(question, connections, server.address(), None).sizes;
-        let same = Question::Echo { request, reply };
-        let (mut ours, mut bare) = (Outcome::default(), Outcome::default());
-        let mut ratios = Vec::with_capacity(self.rounds);
+        let ours = Rival::new(&format!("Arcline, {what}"), question, server);
+        let echo = Rival {
+            name: format!("echo of {request} and {reply} bytes"),
+            question: Question::Echo { request, reply },
+            address: echo.address,
+            process: echo.child.id(),
+        };
+        self.beside(connections, &ours, &echo)
+    }
+
+    /// Two servers in turns; how many answers were wrong.
+    fn beside(self, connections: usize, ours: &Rival, other: &Rival) -> usize {
+        let rivals = [ours, other];
+        let idle = rivals.map(|rival| idle(rival.process));
+        let mut outcomes = [Outcome::default(), Outcome::default()];
         let mut busy = [Duration::ZERO; 2];
+        let mut ratios = Vec::with_capacity(self.rounds);
         for round in 0..self.rounds {
-            let (first, second) = if round % 2 == 0 { (true, false) } else { (false, true) };
             let mut rates = [0.0; 2];
-            for is_ours in [first, second] {
-                let (asked, address, process) = if is_ours {
-                    (question, server.address(), server.process())
-                } else {
-                    (&same, echo.address, echo.child.id())
-                };
-                let before = processor_time(process);
-                let outcome = self.once(asked, connections, address, None);
-                busy[usize::from(!is_ours)] += processor_time(process).saturating_sub(before);
-                rates[usize::from(!is_ours)] = outcome.rate();
-                if is_ours { &mut ours } else { &mut bare }.add(outcome);
+            for index in [round % 2, 1 - round % 2] {
+                let rival = rivals[index];
+                let before = processor_time(rival.process);
+                let outcome = self.once(&rival.question, connections, rival.address, None);
+                busy[index] += processor_time(rival.process).saturating_sub(before);
+                rates[index] = outcome.rate();
+                outcomes[index].add(outcome);
             }
             ratios.push(rates[0] / rates[1]);
         }
         ratios.sort_by(f64::total_cmp);
-        print(&format!("Arcline, {what}"), connections, &ours);
-        print(&format!("echo of {request} and {reply} bytes"), connections, &bare);
+        for (rival, outcome) in rivals.iter().zip(&outcomes) {
+            print(&rival.name, connections, outcome);
+        }
+        let [ours, other] = &outcomes;
         println!(
-            "{:>56} {:.3} of the echo's rate (median of rounds {:.3}), p50 {:+.1} µs, p99 {:.2} times",
+            "{:>56} {:.3} of the other's rate (median of rounds {:.3}), p50 {:+.1} µs, p99 {:.2} times",
             "",
-            ours.rate() / bare.rate(),
+            ours.rate() / other.rate(),
             ratios[ratios.len() / 2],
-            ours.percentile(0.5) - bare.percentile(0.5),
-            ours.percentile(0.99) / bare.percentile(0.99),
+            ours.percentile(0.5) - other.percentile(0.5),
+            ours.percentile(0.99) / other.percentile(0.99),
         );
         // The time of all threads, without the server's time without requests.
-        let each = |busy: Duration, outcome: &Outcome| busy.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64;
-        let own = busy[0].saturating_sub(ours.elapsed.mul_f64(idle));
+        let [own, others] = [0, 1].map(|index| {
+            let outcome = &outcomes[index];
+            let answers = busy[index].saturating_sub(outcome.elapsed.mul_f64(idle[index]));
+            answers.as_secs_f64() * 1e6 / outcome.times.len().max(1) as f64
+        });
         println!(
-            "{:>56} processor time of an answer: {:.1} µs, the echo's {:.1} µs",
-            "",
-            each(own, &ours),
-            each(busy[1], &bare)
+            "{:>56} processor time of an answer: {own:.2} µs, the other's {others:.2} µs",
+            ""
         );
-        if let Some(why) = ours.first_error {
-            println!("{what}: {why}");
+        for (rival, outcome) in rivals.iter().zip(&outcomes) {
+            if let Some(why) = &outcome.first_error {
+                println!("{}: {why}", rival.name);
+            }
         }
-        ours.errors + bare.errors
+        ours.errors + other.errors
+    }
+}
+
+/// One of two servers that are measured in turns, and what it is asked.
+struct Rival {
+    name: String,
+    question: Question,
+    address: SocketAddr,
+    process: u32,
+}
+
+impl Rival {
+    fn new(name: &str, question: &Question, server: &Server) -> Self {
+        Self {
+            name: name.to_owned(),
+            question: question.clone(),
+            address: server.address(),
+            process: server.process(),
+        }
     }
 }
 
@@ -243,15 +292,15 @@ fn print(what: &str, connections: usize, outcome: &Outcome) {
     let _ = std::io::stdout().flush();
 }
 
-/// Our server on the default machine and tags to read.
-fn start(folder: &std::path::Path) -> Server {
+/// Writes the default machine with tags to read into a folder.
+fn machine(folder: &Path) -> PathBuf {
     let names = std::iter::once("Bench".to_owned()).chain((0..TAGS).map(|number| format!("Bench{number}")));
     let tags: String = names
         .map(|name| format!("[[tag]]\nname = \"{name}\"\ntype = \"DINT\"\n"))
         .collect();
     let file = folder.join("network.toml");
     std::fs::write(&file, format!("{}\n{tags}", arcline_config::DEFAULT)).expect("a file");
-    Server::start_on(&file)
+    file
 }
 
 /// A server of another project, ended when this is dropped.
