@@ -1,6 +1,6 @@
 //! The numeric attributes of axes and coordinate systems, as GSV and SSV name them.
 
-use arcline_instruction_set::{Attribute, DYNAMICS_CONFIGURATION_BITS};
+use arcline_instruction_set::Attribute;
 use arcline_proto::cip::{CipStatus, service};
 use arcline_proto::epath::Epath;
 use bytes::Bytes;
@@ -18,7 +18,7 @@ impl Client {
         let reply = self
             .ask(name, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
             .await?;
-        let value = if attribute.is_settable() {
+        let value = if attribute.is_whole() {
             reply.data.first_chunk().map(|bytes| u32::from_le_bytes(*bytes).into())
         } else {
             reply.data.first_chunk().map(|bytes| f64::from_le_bytes(*bytes))
@@ -28,7 +28,7 @@ impl Client {
         })
     }
 
-    /// Sets an attribute that can be set, such as the Dynamics Configuration Bits of an axis: it holds for the instructions that are
+    /// Sets an attribute that can be set, such as the Command Position Tolerance of a coordinate system: it holds for the instructions that are
     /// executed afterwards, until the server restarts.
     ///
     /// # Errors
@@ -36,16 +36,20 @@ impl Client {
     /// attribute cannot have; [`ClientError::Refused`]: 0x0E for an attribute that only the configuration sets.
     pub async fn set_attribute(&self, attribute: &Attribute, name: &str, value: f64) -> Result<(), ClientError> {
         let path = self.attribute_path(attribute, name).await?;
-        // A number that is no UDINT becomes one that no attribute can have.
-        let whole = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
-        let word = if whole { value as u32 } else { u32::MAX };
-        let data = Bytes::copy_from_slice(&word.to_le_bytes());
+        let data = if attribute.is_whole() {
+            // A number that is no UDINT becomes one that no attribute can have.
+            let whole = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
+            let word = if whole { value as u32 } else { u32::MAX };
+            Bytes::copy_from_slice(&word.to_le_bytes())
+        } else {
+            Bytes::copy_from_slice(&value.to_le_bytes())
+        };
         match self.ask(name, service::SET_ATTRIBUTE_SINGLE, path, data).await {
             Err(ClientError::Refused { status, .. }) if status.is(CipStatus::INVALID_ATTRIBUTE_VALUE) => {
                 Err(ClientError::AttributeValue {
                     name: attribute.name,
                     value,
-                    most: DYNAMICS_CONFIGURATION_BITS,
+                    range: attribute.range(),
                 })
             }
             answer => answer.map(drop),

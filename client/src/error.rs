@@ -152,14 +152,14 @@ pub enum ClientError {
         source: PathError,
     },
     /// A number that the attribute cannot be.
-    #[error("{name} cannot be {value}, expected a whole number from 0 to {most}")]
+    #[error("{name} cannot be {value}, expected {range}")]
     AttributeValue {
         /// The attribute.
         name: &'static str,
         /// The number.
         value: f64,
-        /// The highest number that it can be.
-        most: u32,
+        /// What it can be, as a phrase.
+        range: &'static str,
     },
     /// A value that the tag cannot hold.
     #[error("{path} is {expected}, {given} does not fit")]

@@ -8,12 +8,12 @@ use std::sync::Arc;
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Image, WriteEffect};
-use arcline_controller::machine::{DynamicsBits, Machine, StartState};
+use arcline_controller::machine::{Machine, StartState};
 use arcline_controller::{Event, FaultChange, InstructionWrite, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
-    ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, TagAddress, UnboundOperand, WrittenArray,
-    bind,
+    ControlSlot, Directory, FaultKind, FaultSet, Flag, MotionControl, Object, Quantity, Setting, TagAddress,
+    UnboundOperand, WrittenArray, bind,
 };
 use arcline_simulation::{Observer, Origin, Simulation};
 use arcline_structured_text::{Answer, Interpreter, Program, Request};
@@ -168,10 +168,18 @@ impl Bench {
 
     /// Sets the Dynamics Configuration Bits of an axis or a coordinate system now.
     pub fn set_dynamics_bits(&mut self, object: Object, name: &str, bits: u32) {
+        self.set_attribute(object, name, Quantity::DynamicsConfigurationBits, bits.into());
+    }
+
+    /// Sets an attribute of an axis or a coordinate system now.
+    pub fn set_attribute(&mut self, object: Object, name: &str, quantity: Quantity, value: f64) {
         let index = self.object(object, name).expect("the machine has the object");
-        self.simulation
-            .controller_mut()
-            .set_dynamics_bits(object, index, DynamicsBits::from_bits(bits));
+        self.simulation.controller_mut().set(Setting {
+            object,
+            index,
+            quantity,
+            value,
+        });
     }
 
     /// Puts causes of faults on an axis now, in place of those that were put there; they are found at the next tick.

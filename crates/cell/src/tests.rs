@@ -229,8 +229,8 @@ fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
         MaximumAcceleration=\"500.0\" MaximumDeceleration=\"500.0\"/></Data></Tag>";
     #[rustfmt::skip]
     let cases = [
-        ("a tolerance",            "CoordinateSystem,CS,CommandPositionTolerance,Target", false),
-        ("a maximum of a system",  "CoordinateSystem,CS,MaximumSpeed,Target",             false),
+        ("a tolerance",            "CoordinateSystem,CS,CommandPositionTolerance,Target", true),
+        ("a maximum of a system",  "CoordinateSystem,CS,MaximumSpeed,Target",             true),
         ("a maximum of an axis",   "Axis,X,MaximumDeceleration,Target",                   false),
         ("a member of a tag",      "Axis,X,ActualPosition,Target",                        false),
         ("an attribute of homing", "Axis,X,HomeSpeed,Target",                             false),

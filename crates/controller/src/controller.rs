@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use arcline_drive::Drives;
 use arcline_instruction_set::{
-    AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Object, SystemId,
+    AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Setting, SystemId,
 };
 use arcline_motion::{
     AcceptedMove, CallData, ContourRequest, Event, FaultChange, Input, InstructionWrite, Motion, Ticket, Trajectory,
 };
 
 use crate::drives::simulated;
-use crate::machine::{self, DynamicsBits, Machine};
+use crate::machine::{self, Machine};
 use crate::overtaken::Overtaken;
 use crate::snapshot::Snapshot;
 
@@ -34,15 +34,8 @@ pub enum Command {
         /// The share.
         rate: f64,
     },
-    /// Set the Dynamics Configuration Bits of an axis or a coordinate system.
-    DynamicsBits {
-        /// The class of the object.
-        object: Object,
-        /// Index of the object in its class.
-        index: u16,
-        /// The bits.
-        bits: DynamicsBits,
-    },
+    /// Set an attribute of an axis or a coordinate system.
+    Set(Setting),
     /// Inject causes of faults into an axis, in place of those injected before.
     Inject {
         /// Index of the axis.
@@ -285,7 +278,7 @@ impl Controller {
             }
             Command::RungFalse(control) => self.rung_false(control),
             Command::Override { system, rate } => self.set_override(system, rate),
-            Command::DynamicsBits { object, index, bits } => self.set_dynamics_bits(object, index, bits),
+            Command::Set(setting) => self.set(setting),
             Command::Inject { axis, causes } => self.inject(axis, causes),
             Command::Input(input) => self.input(input),
             Command::StopAll => self.stop_all(),
@@ -336,9 +329,9 @@ impl Controller {
         self.motion.set_override(system, rate);
     }
 
-    /// Sets the Dynamics Configuration Bits of an axis or a coordinate system: see [`Motion::set_dynamics_bits`]. Real-time.
-    pub fn set_dynamics_bits(&mut self, object: Object, index: u16, bits: DynamicsBits) {
-        self.motion.set_dynamics_bits(object, index, bits);
+    /// Sets an attribute of an axis or a coordinate system: see [`Motion::set`]. Real-time.
+    pub fn set(&mut self, setting: Setting) {
+        self.motion.set(setting);
     }
 
     /// Injects causes of faults into an axis: see [`Motion::inject`]. Real-time.

@@ -35,8 +35,29 @@ pub enum Quantity {
     ActualPositionTolerance,
     /// Command Position Tolerance, position units.
     CommandPositionTolerance,
-    /// Dynamics Configuration Bits, 0 to [`DYNAMICS_CONFIGURATION_BITS`]. The only one that can be set.
+    /// Dynamics Configuration Bits, a sum of bits up to [`DYNAMICS_CONFIGURATION_BITS`].
     DynamicsConfigurationBits,
+}
+
+/// A value of an attribute that is set while the machine runs.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Setting {
+    /// The class of the object.
+    pub object: Object,
+    /// The index of the object in its class.
+    pub index: u16,
+    /// The quantity.
+    pub quantity: Quantity,
+    /// The value, in the quantity's unit.
+    pub value: f64,
+}
+
+impl Setting {
+    /// Whether this is the value of an attribute of an object.
+    #[must_use]
+    pub fn is_of(&self, attribute: &Attribute, index: u16) -> bool {
+        (self.object, self.index, self.quantity) == (attribute.object, index, attribute.quantity)
+    }
 }
 
 /// All Dynamics Configuration Bits.
@@ -58,10 +79,39 @@ impl Attribute {
             .find(|one| one.object == object && one.number == number)
     }
 
-    /// Whether SSV and the Set Attribute services can set the attribute. Such an attribute is a UDINT on the wire, any other an LREAL.
+    /// Whether SSV and the Set Attribute services can set the attribute. The maxima of axes are limits that planned contours keep: only the
+    /// configuration sets them.
     #[must_use]
     pub fn is_settable(&self) -> bool {
+        self.object == Object::CoordinateSystem || self.quantity == Quantity::DynamicsConfigurationBits
+    }
+
+    /// Whether the attribute is a UDINT on the wire; any other is an LREAL.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
         self.quantity == Quantity::DynamicsConfigurationBits
+    }
+
+    /// Whether the attribute can be set to a value.
+    #[must_use]
+    pub fn holds(&self, value: f64) -> bool {
+        match self.quantity {
+            Quantity::DynamicsConfigurationBits => {
+                (0.0..=f64::from(DYNAMICS_CONFIGURATION_BITS)).contains(&value) && value.fract() == 0.0
+            }
+            Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => (0.0..=f64::MAX).contains(&value),
+            _ => value > 0.0 && value.is_finite(),
+        }
+    }
+
+    /// The values that the attribute can be set to, as a phrase.
+    #[must_use]
+    pub fn range(&self) -> &'static str {
+        match self.quantity {
+            Quantity::DynamicsConfigurationBits => "a whole number from 0 to 7",
+            Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => "a number from 0 on",
+            _ => "a number above 0",
+        }
     }
 }
 

@@ -27,7 +27,7 @@ mod safety_margin;
 mod verify;
 mod words;
 
-pub use attribute::{ATTRIBUTES, Attribute, DYNAMICS_CONFIGURATION_BITS, Quantity};
+pub use attribute::{ATTRIBUTES, Attribute, DYNAMICS_CONFIGURATION_BITS, Quantity, Setting};
 pub use bind::{BindError, Directory, UnboundOperand, bind};
 pub use call::{Argument, Call, ControlSlot, MAX_ELEMENTS, MAX_OPERANDS, RealArray, TagAddress, WrittenArray};
 pub use control::{Flag, MotionControl};

@@ -30,10 +30,10 @@ use crate::stop::{AxisSet, Stop};
 pub(crate) use shown::Shown;
 
 /// The condition for the completion of a move (spec/coordinated-instructions.md §7.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Termination {
-    /// Type 0: the command is at the target and the axes are within the Actual Tolerance.
-    ActualTolerance,
+    /// Type 0: the command is at the target and the axes are within the Actual Tolerance at the execution of the move, position units.
+    ActualTolerance(f64),
     /// Any other type: the command is at the target, or a successor has taken over according to the ending.
     Command,
 }
@@ -367,9 +367,12 @@ impl System {
 }
 
 impl Termination {
-    /// The termination type holds the command at the end until the axes have settled.
-    pub(crate) fn settles(self) -> bool {
-        self == Termination::ActualTolerance
+    /// The tolerance that the axes must be within; until then the command stays at the end.
+    pub(crate) fn tolerance(self) -> Option<f64> {
+        match self {
+            Termination::ActualTolerance(tolerance) => Some(tolerance),
+            Termination::Command => None,
+        }
     }
 }
 

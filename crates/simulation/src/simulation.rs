@@ -215,7 +215,7 @@ impl Simulation {
                 }
                 self.shown = None;
             }
-            WriteEffect::DynamicsBits => self.set_dynamics_bits(),
+            WriteEffect::Setting => self.set_attributes(),
             // Only the caller executes ticks.
             WriteEffect::Steps(_) => {}
             WriteEffect::Input => {
@@ -258,14 +258,14 @@ impl Simulation {
         self.controller.rung_false(control);
     }
 
-    /// Takes the overrides, injected faults and Dynamics Configuration Bits of the tags; an override of 0 is ignored, as the run would not end.
+    /// Takes the overrides, injected faults and attributes of the image; an override of 0 is ignored, as the run would not end.
     pub fn take_overrides(&mut self) {
         for (system, percent) in (0..).map(SystemId).zip(self.image.feed_overrides()) {
             let share = if percent > 0.0 { f64::from(percent) / 100.0 } else { 1.0 };
             self.controller.set_override(system, share);
         }
         self.inject();
-        self.set_dynamics_bits();
+        self.set_attributes();
     }
 
     fn inject(&mut self) {
@@ -274,9 +274,9 @@ impl Simulation {
         }
     }
 
-    fn set_dynamics_bits(&mut self) {
-        for (object, index, bits) in self.image.dynamics_bits() {
-            self.controller.set_dynamics_bits(object, index, bits);
+    fn set_attributes(&mut self) {
+        for setting in self.image.settings() {
+            self.controller.set(*setting);
         }
     }
 

@@ -41,7 +41,8 @@ fn write_status(error: &WriteError) -> CipStatus {
     match error {
         WriteError::NoRoom { .. } => CipStatus::RESOURCE_UNAVAILABLE,
         WriteError::ReadOnly { .. } => CipStatus::PRIVILEGE_VIOLATION,
-        WriteError::OutsideRange { .. } => CipStatus::INVALID_ATTRIBUTE_VALUE,
+        WriteError::OutsideRange { .. } | WriteError::NotInRange { .. } => CipStatus::INVALID_ATTRIBUTE_VALUE,
+        WriteError::NotSettable { .. } => CipStatus::ATTRIBUTE_NOT_SETTABLE,
         WriteError::OutOfRange { .. } | WriteError::NoSuchFault { .. } => CipStatus::INVALID_PARAMETER,
         _ => unknown(),
     }

@@ -60,7 +60,7 @@ rights! {
     ChangeMode:        Engineer,      "change the mode",     "start and stop the program of the controller (Run and Program mode)";
     Force:             Engineer,      "force inputs",        "force inputs of modules for the program of the controller, and remove forces";
     ChangeTags:        Engineer,      "change tags",         "create and delete tags";
-    SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`DynamicsConfigurationBits`)";
+    SetAttribute:      Engineer,      "set attributes",      "set attributes of motion objects (`CommandPositionTolerance`, …)";
     InjectFaults:      Engineer,      "inject faults",       "inject faults";
     SetUpTrace:        Engineer,      "set up traces",       "create, start, stop and delete traces";
     SetClock:          Engineer,      "set the clock",       "set the wall clock that clients see";

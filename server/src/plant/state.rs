@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_controller::image::{Image, StagedWrites, TagKind, WriteEffect};
-use arcline_controller::machine::{DynamicsBits, Machine};
+use arcline_controller::machine::Machine;
 use arcline_controller::{ContourRests, Event, Ticket};
-use arcline_instruction_set::{AxisId, FaultSet, Flag, MotionControl, MotionError, Object, OperandIndex, SystemId};
+use arcline_instruction_set::{AxisId, FaultSet, Flag, MotionControl, MotionError, OperandIndex, Setting, SystemId};
 use arcline_realtime::ServerRings;
 use tokio::sync::oneshot;
 
@@ -83,8 +83,8 @@ pub(super) struct State {
     overrides: Vec<f32>,
     /// The injected causes of faults that the controller has been sent.
     injected: Vec<FaultSet>,
-    /// The Dynamics Configuration Bits that the controller has been sent.
-    dynamics_bits: Vec<(Object, u16, DynamicsBits)>,
+    /// The settable attributes that the controller has been sent.
+    settings: Vec<Setting>,
     /// The rests on the way that are in the log.
     rests: Vec<ContourRests>,
     /// Sends the changes of the retained state to its writer.
@@ -122,7 +122,7 @@ impl State {
         State {
             overrides: image.feed_overrides().collect(),
             injected: image.injected_faults().collect(),
-            dynamics_bits: image.dynamics_bits().collect(),
+            settings: image.settings().to_vec(),
             image,
             changed: false,
             done: Vec::new(),
@@ -404,8 +404,8 @@ impl State {
                 }
                 return None;
             }
-            WriteEffect::DynamicsBits => {
-                self.send_dynamics_bits();
+            WriteEffect::Setting => {
+                self.send_settings();
                 return None;
             }
             // The transaction does it at its end.

@@ -21,6 +21,7 @@ mod path_speed;
 mod probes;
 mod robots;
 mod semantics;
+mod settings;
 mod simulated_drive;
 mod splices;
 mod state_matrix;

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use arcline_instruction_set::Flag;
+use arcline_instruction_set::{ATTRIBUTES, Attribute, Flag, Object, Quantity};
 use arcline_tests::bench::{Bench, OK};
 use arcline_tests::random::{Random, seeds};
 
@@ -28,6 +28,8 @@ struct Sequence {
     smooth: bool,
     /// Changes of the override at any tick, from a generator of its own.
     overrides: Option<Random>,
+    /// Attributes of the coordinate system that are set at any tick, from a generator of its own.
+    settings: Option<Random>,
 }
 
 impl Sequence {
@@ -45,6 +47,7 @@ impl Sequence {
             arcs,
             smooth,
             overrides: None,
+            settings: None,
         }
     }
 
@@ -52,6 +55,13 @@ impl Sequence {
         Sequence {
             overrides: Some(Random(!seed)),
             ..Sequence::new(seed)
+        }
+    }
+
+    fn under_settings(seed: u64) -> Self {
+        Sequence {
+            settings: Some(Random(!seed)),
+            ..Sequence::under_overrides(seed)
         }
     }
 
@@ -150,6 +160,13 @@ impl Sequence {
             };
             self.bench.set_override("XY", share);
         }
+        if let Some(random) = &mut self.settings
+            && random.below(30) == 0
+        {
+            let (quantity, value) = setting(random);
+            self.bench
+                .set_attribute(Object::CoordinateSystem, "XY", quantity, value);
+        }
         self.bench.tick();
         let after = ["X", "Y"].map(|axis| self.bench.axis(axis).command);
         for (b, a) in before.iter().zip(&after) {
@@ -215,6 +232,24 @@ impl Sequence {
     }
 }
 
+/// A settable attribute of the coordinate system XY and a value for it: a maximum is at most that of the configuration.
+fn setting(random: &mut Random) -> (Quantity, f64) {
+    let settable: Vec<&Attribute> = ATTRIBUTES
+        .iter()
+        .filter(|one| one.object == Object::CoordinateSystem && one.is_settable())
+        .collect();
+    let quantity = random.one_of(&settable).quantity;
+    let value = match quantity {
+        Quantity::MaximumSpeed => random.between(50.0, 500.0),
+        Quantity::MaximumAcceleration | Quantity::MaximumDeceleration => random.between(500.0, 5000.0),
+        Quantity::MaximumAccelerationJerk | Quantity::MaximumDecelerationJerk => random.between(1e4, 1e5),
+        Quantity::ActualPositionTolerance => random.between(0.001, 1.0),
+        Quantity::CommandPositionTolerance => random.between(0.0, 20.0),
+        Quantity::DynamicsConfigurationBits => random.below(8) as f64,
+    };
+    (quantity, value)
+}
+
 fn sequence(sequence: &mut Sequence) {
     for _ in 0..4 + sequence.random.below(10) {
         match sequence.random.below(12) {
@@ -248,6 +283,15 @@ fn random_sequences_are_continuous_and_every_instruction_ends_once() {
 fn overrides_at_any_tick_leave_random_sequences_continuous() {
     for seed in seeds(60) {
         let mut one = Sequence::under_overrides(seed);
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
+        assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
+    }
+}
+
+#[test]
+fn attributes_that_are_set_at_any_tick_leave_random_sequences_continuous() {
+    for seed in seeds(60) {
+        let mut one = Sequence::under_settings(seed);
         let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| sequence(&mut one)));
         assert!(result.is_ok(), "seed {seed}:\n{}", one.program);
     }

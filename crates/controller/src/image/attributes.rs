@@ -1,21 +1,18 @@
-//! The attributes of axes and coordinate systems without a tag: numbers of the machine, the progress of moves, faults by kind, and the Dynamics
-//! Configuration Bits, which clients can set.
+//! The attributes of axes and coordinate systems without a tag: numbers of the machine, some of which clients can set, the progress of moves, and
+//! faults by kind.
 //!
-//! The image is the only copy of these bits outside the controller: every interface that sets them writes them here, and the caller sends the
-//! controller the change ([`WriteEffect::DynamicsBits`]). They start at the machine's values, also after a restart.
+//! The image has the only copy of settable attributes outside the controller: every interface that sets them writes them here, and the caller sends
+//! the controller the change ([`WriteEffect::Setting`]). They start at the machine's values, also after a restart.
 
-use arcline_instruction_set::{Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object, Quantity, SystemId};
+use arcline_instruction_set::{ATTRIBUTES, Attribute, AxisId, FaultSet, Object, Quantity, Setting, SystemId};
 
 use super::{Image, WriteEffect, WriteError};
 use crate::Snapshot;
-use crate::machine::{DynamicsBits, Machine};
+use crate::machine::Machine;
 
-/// The Dynamics Configuration Bits of every axis and every coordinate system, in configuration order.
+/// The settable attributes of every axis, then of every coordinate system, in configuration order.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Attributes {
-    axes: Vec<DynamicsBits>,
-    systems: Vec<DynamicsBits>,
-}
+pub(super) struct Attributes(Vec<Setting>);
 
 /// The active move of a coordinate system.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -39,10 +36,23 @@ pub(super) struct Shown {
 
 impl Attributes {
     pub(super) fn new(machine: &Machine) -> Self {
-        Attributes {
-            axes: machine.axes.iter().map(|axis| axis.dynamics_bits).collect(),
-            systems: machine.systems.iter().map(|system| system.dynamics_bits).collect(),
-        }
+        let axes = (0..).take(machine.axes.len()).map(|index| (Object::Axis, index));
+        let systems = (0..).take(machine.systems.len());
+        let systems = systems.map(|index| (Object::CoordinateSystem, index));
+        let settings = axes.chain(systems).flat_map(|(object, index)| {
+            let settable = ATTRIBUTES
+                .iter()
+                .filter(move |one| one.object == object && one.is_settable());
+            settable.filter_map(move |attribute| {
+                Some(Setting {
+                    object,
+                    index,
+                    quantity: attribute.quantity,
+                    value: configured(machine, attribute, index)?,
+                })
+            })
+        });
+        Attributes(settings.collect())
     }
 }
 
@@ -70,54 +80,20 @@ impl Image {
         faults.extend(snapshot.axes.iter().map(|axis| axis.faults));
     }
 
-    /// The Dynamics Configuration Bits of every axis, then of every coordinate system: class, index and bits.
-    pub fn dynamics_bits(&self) -> impl Iterator<Item = (Object, u16, DynamicsBits)> {
-        let axes = (0..).zip(&self.attributes.axes);
-        let axes = axes.map(|(index, bits)| (Object::Axis, index, *bits));
-        let systems = (0..).zip(&self.attributes.systems);
-        axes.chain(systems.map(|(index, bits)| (Object::CoordinateSystem, index, *bits)))
+    /// The settable attributes of every axis, then of every coordinate system.
+    pub fn settings(&self) -> &[Setting] {
+        &self.attributes.0
     }
 
     /// The value of an attribute of an object of the image's machine; `None`: no such object.
     pub fn attribute(&self, machine: &Machine, attribute: &Attribute, index: u16) -> Option<f64> {
-        let index = usize::from(index);
-        if attribute.quantity == Quantity::DynamicsConfigurationBits {
-            let bits = match attribute.object {
-                Object::MotionGroup => return None,
-                Object::Axis => self.attributes.axes.get(index),
-                Object::CoordinateSystem => self.attributes.systems.get(index),
-            };
-            return Some(bits?.bits().into());
+        if !attribute.is_settable() {
+            return configured(machine, attribute, index);
         }
-        match attribute.object {
-            Object::MotionGroup => None,
-            Object::Axis => {
-                let axis = machine.axes.get(index)?;
-                Some(match attribute.quantity {
-                    Quantity::MaximumSpeed => axis.max_speed,
-                    Quantity::MaximumAcceleration => axis.max_acceleration,
-                    Quantity::MaximumDeceleration => axis.max_deceleration,
-                    Quantity::MaximumAccelerationJerk => axis.max_acceleration_jerk,
-                    Quantity::MaximumDecelerationJerk => axis.max_deceleration_jerk,
-                    Quantity::ActualPositionTolerance
-                    | Quantity::CommandPositionTolerance
-                    | Quantity::DynamicsConfigurationBits => return None,
-                })
-            }
-            Object::CoordinateSystem => {
-                let system = machine.systems.get(index)?;
-                Some(match attribute.quantity {
-                    Quantity::MaximumSpeed => system.max_speed,
-                    Quantity::MaximumAcceleration => system.max_acceleration,
-                    Quantity::MaximumDeceleration => system.max_deceleration,
-                    Quantity::MaximumAccelerationJerk => system.max_acceleration_jerk,
-                    Quantity::MaximumDecelerationJerk => system.max_deceleration_jerk,
-                    Quantity::ActualPositionTolerance => system.actual_tolerance,
-                    Quantity::CommandPositionTolerance => system.command_tolerance,
-                    Quantity::DynamicsConfigurationBits => return None,
-                })
-            }
-        }
+        let mut settings = self.attributes.0.iter();
+        settings
+            .find(|one| one.is_of(attribute, index))
+            .map(|setting| setting.value)
     }
 
     /// Sets an attribute of an object.
@@ -130,17 +106,48 @@ impl Image {
         if !attribute.is_settable() {
             return Err(WriteError::NotSettable { name });
         }
-        let most = DYNAMICS_CONFIGURATION_BITS;
-        if !(0.0..=f64::from(most)).contains(&value) || value.fract() != 0.0 {
-            return Err(WriteError::NotInRange { name, value, most });
+        if !attribute.holds(value) {
+            let range = attribute.range();
+            return Err(WriteError::NotInRange { name, value, range });
         }
-        let bits = match attribute.object {
-            Object::MotionGroup => return Err(WriteError::NoSuchTag),
-            Object::Axis => &mut self.attributes.axes,
-            Object::CoordinateSystem => &mut self.attributes.systems,
-        };
-        let bits = bits.get_mut(usize::from(index)).ok_or(WriteError::NoSuchTag)?;
-        *bits = DynamicsBits::from_bits(value as u32);
-        Ok(WriteEffect::DynamicsBits)
+        let mut settings = self.attributes.0.iter_mut();
+        let setting = settings
+            .find(|one| one.is_of(attribute, index))
+            .ok_or(WriteError::NoSuchTag)?;
+        setting.value = value;
+        Ok(WriteEffect::Setting)
+    }
+}
+
+/// The value of an attribute in the configuration; `None`: no such object.
+fn configured(machine: &Machine, attribute: &Attribute, index: u16) -> Option<f64> {
+    let index = usize::from(index);
+    match attribute.object {
+        Object::MotionGroup => None,
+        Object::Axis => {
+            let axis = machine.axes.get(index)?;
+            Some(match attribute.quantity {
+                Quantity::MaximumSpeed => axis.max_speed,
+                Quantity::MaximumAcceleration => axis.max_acceleration,
+                Quantity::MaximumDeceleration => axis.max_deceleration,
+                Quantity::MaximumAccelerationJerk => axis.max_acceleration_jerk,
+                Quantity::MaximumDecelerationJerk => axis.max_deceleration_jerk,
+                Quantity::DynamicsConfigurationBits => axis.dynamics_bits.bits().into(),
+                Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => return None,
+            })
+        }
+        Object::CoordinateSystem => {
+            let system = machine.systems.get(index)?;
+            Some(match attribute.quantity {
+                Quantity::MaximumSpeed => system.max_speed,
+                Quantity::MaximumAcceleration => system.max_acceleration,
+                Quantity::MaximumDeceleration => system.max_deceleration,
+                Quantity::MaximumAccelerationJerk => system.max_acceleration_jerk,
+                Quantity::MaximumDecelerationJerk => system.max_deceleration_jerk,
+                Quantity::ActualPositionTolerance => system.actual_tolerance,
+                Quantity::CommandPositionTolerance => system.command_tolerance,
+                Quantity::DynamicsConfigurationBits => system.dynamics_bits.bits().into(),
+            })
+        }
     }
 }

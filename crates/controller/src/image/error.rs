@@ -79,14 +79,14 @@ pub enum WriteError {
         name: &'static str,
     },
     /// A number outside of the attribute's range.
-    #[error("{name} cannot be {value}, expected a whole number from 0 to {most}")]
+    #[error("{name} cannot be {value}, expected {range}")]
     NotInRange {
         /// The attribute.
         name: &'static str,
         /// The number.
         value: f64,
-        /// Its highest value.
-        most: u32,
+        /// Its range, as a phrase.
+        range: &'static str,
     },
     /// A fault that does not exist for the axis.
     #[error("{name}[{axis}] cannot be {bits:#x}, expected bits of {possible:#x}")]

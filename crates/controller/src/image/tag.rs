@@ -170,7 +170,7 @@ impl PlainTag {
 }
 
 /// The effect of a write that the controller must know: a change of `EnableIn` of an instruction tag, or a write of an override, injected faults
-/// or Dynamics Configuration Bits.
+/// or an attribute.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum WriteEffect {
     /// False to true: the instruction executes.
@@ -181,8 +181,8 @@ pub enum WriteEffect {
     FeedOverride,
     /// The tag `FaultInject` was written: [`Image::injected_faults`](super::Image::injected_faults).
     FaultInject,
-    /// Dynamics Configuration Bits were set: [`Image::dynamics_bits`](super::Image::dynamics_bits).
-    DynamicsBits,
+    /// An attribute of an axis or a coordinate system was set: [`Image::settings`](super::Image::settings).
+    Setting,
     /// The tag `MotionInhibit` was written: motion stops and stays inhibited, or is permitted again.
     Inhibit(bool),
     /// The tag `ClockStep` was written: the number of ticks to execute.

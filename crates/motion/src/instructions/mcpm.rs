@@ -228,7 +228,9 @@ fn termination(
         Some(TerminationType::ActualTolerance) if system.actual_tolerance <= 0.0 => {
             Err(MotionError::InvalidActualTolerance)
         }
-        Some(TerminationType::ActualTolerance) => Ok((Termination::ActualTolerance, Ending::Stop)),
+        Some(TerminationType::ActualTolerance) => {
+            Ok((Termination::ActualTolerance(system.actual_tolerance), Ending::Stop))
+        }
         Some(TerminationType::CommandToleranceProgrammed) if system.joint_limits == LimitPolicy::Enforce => {
             Err(MotionError::FeatureNotSupported)
         }

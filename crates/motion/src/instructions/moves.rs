@@ -61,7 +61,7 @@ impl MoveOperands {
         }
         let settles = match self.termination_type {
             ActualTolerance if system.actual_tolerance <= 0.0 => return Err(MotionError::InvalidActualTolerance),
-            ActualTolerance => Termination::ActualTolerance,
+            ActualTolerance => Termination::ActualTolerance(system.actual_tolerance),
             _ => Termination::Command,
         };
         Ok((settles, ending))

@@ -66,7 +66,7 @@ impl Systems {
         }
         self[index].set_end_position(axes);
         let active = self[index].travel.active()?;
-        if !active.data.termination.settles() {
+        if active.data.termination.tolerance().is_none() {
             return Some(moment);
         }
         let system = &mut self[index];
@@ -89,7 +89,7 @@ impl Systems {
         let last = self[index].travel.active().copied();
         if let Some(last) = &last {
             controls.end_move(last.data.execution, Flag::Pc.mask());
-            self[index].shown.in_actual_tolerance = last.data.termination.settles();
+            self[index].shown.in_actual_tolerance = last.data.termination.tolerance().is_some();
         }
         if let Some(next) = self[index].travel.next() {
             controls.because(next.data.execution.into());
@@ -231,7 +231,8 @@ impl System {
     /// The instant at which the axes of a move that waits for them came within the Actual Tolerance.
     fn take_settled(&mut self, drives: &dyn Drives, axes: &Axes, clock: &Clock) -> Option<Instant> {
         let reached = self.settling.take()?;
-        let (own, tolerance) = (self.description.linear(), self.description.actual_tolerance);
+        let own = self.description.linear();
+        let tolerance = self.travel.active()?.data.termination.tolerance()?;
         let stood = reached.elapsed(clock);
         if own.iter().any(|axis| axes[*axis].is_lost()) {
             return None;

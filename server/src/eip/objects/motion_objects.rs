@@ -5,13 +5,13 @@
 //! |---|---|---|---|
 //! | 1 | name, SHORT_STRING | name | name |
 //! | 2 | coarse update period, UDINT ns | 0 virtual, 1 servo, USINT | axes: `n UINT, instance UINT × n` |
-//! | 3 | axes: `n UINT, instance UINT × n` | maximum speed, LREAL | maximum speed |
-//! | 4 | | maximum acceleration | maximum acceleration |
-//! | 5 | | maximum deceleration | maximum deceleration |
-//! | 6 | | maximum acceleration jerk | maximum acceleration jerk |
-//! | 7 | | maximum deceleration jerk | maximum deceleration jerk |
-//! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL |
-//! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL |
+//! | 3 | axes: `n UINT, instance UINT × n` | maximum speed, LREAL | maximum speed; can be set |
+//! | 4 | | maximum acceleration | maximum acceleration; can be set |
+//! | 5 | | maximum deceleration | maximum deceleration; can be set |
+//! | 6 | | maximum acceleration jerk | maximum acceleration jerk; can be set |
+//! | 7 | | maximum deceleration jerk | maximum deceleration jerk; can be set |
+//! | 8 | | position units, SHORT_STRING | actual position tolerance, LREAL; can be set |
+//! | 9 | | injected faults, UDINT, can be set | command position tolerance, LREAL; can be set |
 //! | 10 | | faults that can be injected, UDINT | feed override, REAL, percent, 0 to 200; can be set |
 //! | 11 | | Dynamics Configuration Bits, UDINT, 0 to 7; can be set | the last feed override that was not 0, REAL, percent |
 //! | 12, 13 | | | LinkLength1, LinkLength2, LREAL |
@@ -23,7 +23,7 @@
 //! | 27 to 29 | | | of the active move, LREAL: distance to go, length of its path (0: no move is active), seconds to its planned end or its successor (NaN: not known) |
 //! | 13 (axis), 30 | | the mover: a [`Mover`](arcline_proto::arcline::motion::Mover) | the mover |
 //!
-//! Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
+//! Maxima, tolerances and Dynamics Configuration Bits hold for the instructions that are executed afterwards, up to a restart
 //! (spec/axis-and-data-types.md §9.6); the numbers of numeric attributes are those of [`Attribute`]. Attribute 10 of a coordinate system is its element of the tag `FeedOverride`, attribute 9 of an axis that of the tag
 //! `FaultInject`: bits of docs/FAULTS.md. A value out of range is refused with 0x09.
 //!
@@ -33,9 +33,7 @@
 
 use arcline_controller::image::FEED_OVERRIDE_PERCENT;
 use arcline_controller::machine::{Axis, CoordinateSystem, Machine};
-use arcline_instruction_set::{
-    Attribute, AxisId, DYNAMICS_CONFIGURATION_BITS, FaultSet, Object as MotionObject, SystemId,
-};
+use arcline_instruction_set::{Attribute, AxisId, FaultSet, Object as MotionObject, SystemId};
 use arcline_proto::arcline::motion::{
     NAME, axis as of_axis, coordinate_system as of_system, encode_instances, group as of_group,
 };
@@ -94,7 +92,7 @@ impl Object for MotionObjects {
                 .image()
                 .attribute(cx.device().plant.machine(), attribute, index)
                 .ok_or_else(unknown)?;
-            return if attribute.is_settable() {
+            return if attribute.is_whole() {
                 // Exact: such a value is a small whole number.
                 u32_value(value as u32)
             } else {
@@ -154,8 +152,11 @@ impl Object for MotionObjects {
             MotionObject::Axis => id == of_axis::INJECTED_FAULTS,
             MotionObject::CoordinateSystem => id == of_system::FEED_OVERRIDE,
         };
-        let settable = settable || Attribute::numbered(self.0, id).is_some_and(Attribute::is_settable);
-        settable.then_some(4)
+        let attribute = Attribute::numbered(self.0, id).filter(|one| one.is_settable());
+        match attribute {
+            Some(attribute) => Some(if attribute.is_whole() { 4 } else { 8 }),
+            None => settable.then_some(4),
+        }
     }
 
     /// Each attribute is a command of the plant, which has a right of its own.
@@ -164,18 +165,21 @@ impl Object for MotionObjects {
     }
 
     fn set(&self, cx: &mut ObjectContext<'_, '_>, instance: u32, id: u16, value: &[u8]) -> Result<(), CipStatus> {
-        let value = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+        let bytes = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
         let index = u16::try_from(instance.wrapping_sub(1)).map_err(|_| unknown())?;
-        let word = u32::from_le_bytes(value);
+        let word = u32::from_le_bytes(bytes);
         let command = match (Attribute::numbered(self.0, id), self.0) {
             (Some(attribute), _) => {
-                if word > DYNAMICS_CONFIGURATION_BITS {
-                    return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
-                }
+                let value = if attribute.is_whole() {
+                    f64::from(word)
+                } else {
+                    let bytes = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
+                    f64::from_le_bytes(bytes)
+                };
                 Command::SetAttribute {
                     attribute,
                     index,
-                    value: word.into(),
+                    value,
                 }
             }
             (None, MotionObject::Axis) => {
@@ -189,7 +193,7 @@ impl Object for MotionObjects {
                 }
             }
             (None, _) => {
-                let percent = f32::from_le_bytes(value);
+                let percent = f32::from_le_bytes(bytes);
                 if !FEED_OVERRIDE_PERCENT.contains(&percent) {
                     return Err(CipStatus::INVALID_ATTRIBUTE_VALUE);
                 }

@@ -51,7 +51,7 @@ pub(super) fn set(class: u16, attribute: u16, data: &[u8]) -> Request {
 }
 
 /// Every attribute that can be set, by its class and number, with the right that a value of zeros needs. A test holds that there are no others.
-const SETTABLE: [(u16, u16, Right); 12] = [
+const SETTABLE: [(u16, u16, Right); 19] = [
     (0x04, 3, Right::OwnOutputs),
     (0x06, 100, Right::SetLoss),
     (0x8B, 5, Right::SetClock),
@@ -61,6 +61,13 @@ const SETTABLE: [(u16, u16, Right); 12] = [
     (0xF5, 13, Right::SetInactivity),
     (0x0301, of_axis::INJECTED_FAULTS, Right::InjectFaults),
     (0x0301, 11, Right::SetAttribute),
+    (0x0302, 3, Right::SetAttribute),
+    (0x0302, 4, Right::SetAttribute),
+    (0x0302, 5, Right::SetAttribute),
+    (0x0302, 6, Right::SetAttribute),
+    (0x0302, 7, Right::SetAttribute),
+    (0x0302, 8, Right::SetAttribute),
+    (0x0302, 9, Right::SetAttribute),
     (0x0302, 26, Right::SetAttribute),
     (FEED_OVERRIDE.0, FEED_OVERRIDE.1, Right::Override),
     (machine::CLASS, machine::attribute::MODE, Right::ChangeMode),

@@ -23,7 +23,7 @@ pub(super) struct WaitingCommands {
     inputs: VecDeque<Input>,
     overrides: bool,
     injected: bool,
-    dynamics_bits: bool,
+    settings: bool,
 }
 
 impl WaitingCommands {
@@ -202,8 +202,8 @@ impl State {
         if self.waiting_commands.injected {
             self.send_injected();
         }
-        if self.waiting_commands.dynamics_bits {
-            self.send_dynamics_bits();
+        if self.waiting_commands.settings {
+            self.send_settings();
         }
     }
 
@@ -278,24 +278,20 @@ impl State {
         }
     }
 
-    /// Sends the controller the Dynamics Configuration Bits that have changed.
-    pub(super) fn send_dynamics_bits(&mut self) {
-        self.waiting_commands.dynamics_bits = false;
-        let all: Vec<_> = self.image.dynamics_bits().collect();
-        for (place, (object, index, bits)) in all.into_iter().enumerate() {
-            if self
-                .dynamics_bits
-                .get(place)
-                .is_none_or(|sent| *sent == (object, index, bits))
-            {
-                continue;
-            }
+    /// Sends the controller the attributes that were set.
+    pub(super) fn send_settings(&mut self) {
+        self.waiting_commands.settings = false;
+        for place in 0..self.settings.len() {
+            let setting = match self.image.settings().get(place) {
+                Some(setting) if *setting != self.settings[place] => *setting,
+                _ => continue,
+            };
             if !self.has_room_to_wait(Lane::Others) {
-                self.waiting_commands.dynamics_bits = true;
+                self.waiting_commands.settings = true;
                 return;
             }
-            self.dynamics_bits[place] = (object, index, bits);
-            self.push(Lane::Others, Command::DynamicsBits { object, index, bits });
+            self.settings[place] = setting;
+            self.push(Lane::Others, Command::Set(setting));
         }
     }
 }

@@ -39,6 +39,30 @@ fn a_program_sets_attributes() {
     assert_eq!(bits, 3.0);
     assert!(speed > 3.0, "the maximum speed is not the bits: {speed}");
 
+    // So does a tolerance, which the next move has.
+    let tolerance = "GSV(CoordinateSystem, CS1, CommandPositionTolerance, Before);
+SSV(CoordinateSystem, CS1, CommandPositionTolerance, Before + 2.5);
+GSV(CoordinateSystem, CS1, CommandPositionTolerance, After);\n";
+    std::fs::write(
+        file,
+        tolerance
+            .replace("Before", "Tolerance[0]")
+            .replace("After", "Tolerance[1]"),
+    )
+    .expect("the folder is writable");
+    let _ = arcline(at, &["tags", "create", "Tolerance", "LREAL[2]"]).expect(0);
+    let _ = arcline(at, &["run", file]).expect(0);
+    let [before, after] = read_numbers(at, &["Tolerance[0]", "Tolerance[1]"])[..] else {
+        panic!("two numbers")
+    };
+    assert_eq!(after, before + 2.5);
+    std::fs::write(file, "SSV(CoordinateSystem, CS1, MaximumDeceleration, 0);\n").expect("the folder is writable");
+    let refused = arcline(at, &["run", file]).expect(1);
+    assert_eq!(
+        refused.stderr,
+        "line 1: MaximumDeceleration cannot be 0, expected a number above 0\n"
+    );
+
     // A value that the attribute cannot have is refused in words, and nothing changes.
     for value in ["64", "-1", "1.5"] {
         std::fs::write(
