@@ -14,9 +14,11 @@ const LEG_GAP = 10;
 const UP = 26;
 const DOWN = 16;
 const CONTACT = 34;
-/** The room of a value in a box, characters. */
+/** The least room of a value in a box, and the most that one takes, characters. */
 const VALUE = 9;
 const MOST_VALUE = 18;
+/** Significant digits of a number. */
+const DIGITS = 7;
 
 /** Instructions that are drawn as a contact or a coil, and the sign between its lines. @type {Record<string, [kind: "contact" | "coil", sign: string]>} */
 const SIGNS = { XIC: ["contact", ""], XIO: ["contact", "/"], OTE: ["coil", ""], OTL: ["coil", "L"], OTU: ["coil", "U"] };
@@ -130,19 +132,23 @@ function s(name, attributes, ...children) {
   return element;
 }
 
-/** A value as it stands at an operand. @param {unknown} value */
-export function shown(value) {
+/** A value as it stands at an operand, in `room` characters: a fraction with fewer digits, a text cut off. @param {unknown} value @param {number} room */
+export function shown(value, room = MOST_VALUE) {
   if (value === null || value === undefined) return "";
   if (typeof value === "boolean") return value ? "1" : "0";
-  const text = typeof value === "number" ? String(Number.isInteger(value) ? value : Number(value.toPrecision(7))) : String(value);
-  return text.length > MOST_VALUE ? `${text.slice(0, MOST_VALUE - 1)}…` : text;
+  let text = String(value);
+  if (typeof value === "number" && !Number.isInteger(value)) {
+    text = String(Number(value.toPrecision(DIGITS)));
+    for (let digits = DIGITS - 1; digits > 0 && text.length > room; digits -= 1) text = String(Number(value.toPrecision(digits)));
+  }
+  return text.length > room ? `${text.slice(0, room - 1)}…` : text;
 }
 
 /** The picture of a rung. */
 export class RungPicture {
   /** The elements that show the condition at a place. @type {[element: Element, place: number][]} */
   #wires = [];
-  /** The elements that show a value: a text, or the sign of a bit. @type {[element: Element, value: number, kind: "text" | "closed" | "open"][]} */
+  /** The elements that show a value: a text with so much room, or the sign of a bit. @type {[element: Element, value: number, kind: number | "closed" | "open"][]} */
   #values = [];
   #power = "?";
 
@@ -235,12 +241,14 @@ export class RungPicture {
     this.#wires.push([box, element.condition]);
     this.element.append(box, s("text", { class: "box-name", x: left + 8, y: top + 14 }, element.name ?? "", s("tspan", { class: "box-title", dx: 8 }, element.title === element.name ? "" : element.title ?? "")));
     const names = Math.max(0, ...rows.map(({ name }) => name.length));
+    const columns = Math.floor((right - left - 16) / LETTER);
     rows.forEach((row, k) => {
+      const room = Math.min(columns - names - row.text.length - 2, MOST_VALUE);
       const base = y + LINE * k + 15;
       this.element.append(s("text", { class: "operand-name", x: left + 8, y: base }, row.name));
       this.#operand(row.text, { x: left + 8 + (names + 1) * LETTER, y: base }, row.name);
       const text = s("text", { class: "operand-value", x: right - 8, y: base, "text-anchor": "end" });
-      this.#values.push([text, value + k, "text"]);
+      this.#values.push([text, value + k, room]);
       this.element.append(text);
     });
   }
@@ -255,8 +263,8 @@ export class RungPicture {
     }
     for (const [element, place, kind] of this.#values) {
       const value = row?.values[place];
-      if (kind === "text") {
-        const text = shown(value);
+      if (typeof kind === "number") {
+        const text = shown(value, kind);
         if (element.textContent !== text) element.textContent = text;
       } else {
         const known = value !== null && value !== undefined;

@@ -38,6 +38,10 @@ test("values are short", () => {
   /** @type {[unknown, string][]} */
   const cases = [[null, ""], [undefined, ""], [true, "1"], [false, "0"], [12, "12"], [1 / 3, "0.3333333"], ["EN TT", "EN TT"], ["a text that is far too long", "a text that is fa…"]];
   for (const [value, expected] of cases) assert.equal(shown(value), expected);
+  // In the room of a narrow box.
+  /** @type {[unknown, string][]} */
+  const narrow = [[-1 / 3, "-0.333333"], [-1.2345678e-10, "-1.23e-10"], [-123456.789, "-123456.8"], [1.5, "1.5"], ["a long text", "a long t…"], [1234567890123, "12345678…"]];
+  for (const [value, expected] of narrow) assert.equal(shown(value, 9), expected);
 });
 
 test("the row at a place", () => {
