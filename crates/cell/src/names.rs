@@ -143,6 +143,11 @@ impl<'m> Names<'m> {
             }
         }
         place_aliases(image, project);
+        let programs = project.programs.iter().map(|program| program.name.as_str());
+        image.list_programs(programs).map_err(|(program, error)| NotPlaced {
+            name: format!("Program:{program}"),
+            error,
+        })?;
         Ok(places)
     }
 }

@@ -364,7 +364,7 @@ impl Image {
         Some(id)
     }
 
-    /// The index of a program, which the list of tags contains from its first tag on.
+    /// The index of a program, which is in the list of tags from now on.
     fn add_program(&mut self, name: &str) -> u16 {
         let known = self.programs.iter().position(|known| known.eq_ignore_ascii_case(name));
         let row = known.unwrap_or(self.programs.len()) as u16;

@@ -49,6 +49,8 @@ impl Clone for Notes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ProgramTags {
     tags: BTreeSet<TagId>,
+    /// The programs of the project, in lower case: they are listed without tags too.
+    programs: BTreeSet<String>,
     /// The slots of motion control structures inside of them, with their paths.
     controls: BTreeMap<u32, String>,
 }
@@ -118,6 +120,30 @@ impl Image {
         let added = self.add_plain(alias);
         self.program_tags.tags.extend(added);
         added.is_some()
+    }
+
+    /// Lists the programs of a project, also those without tags, in place of the programs of an earlier project.
+    ///
+    /// # Errors
+    /// The first program for which there is no room; some are listed then.
+    pub fn list_programs<'n>(&mut self, names: impl Iterator<Item = &'n str>) -> Result<(), (&'n str, TableError)> {
+        let mut programs = BTreeSet::new();
+        for name in names {
+            if self.tags.len() >= MAX_TAGS {
+                return Err((name, TableError::NoRoom));
+            }
+            self.add_program(name);
+            programs.insert(name.to_ascii_lowercase());
+        }
+        self.program_tags.programs = programs;
+        self.sweep();
+        Ok(())
+    }
+
+    /// Whether a project has the program of this row.
+    pub(super) fn is_in_project(&self, program: u16) -> bool {
+        let name = self.programs.get(usize::from(program));
+        name.is_some_and(|name| self.program_tags.programs.contains(&name.to_ascii_lowercase()))
     }
 
     /// Removes the tags of the program, except those that `keep` selects.
@@ -278,6 +304,50 @@ mod tests {
         assert_eq!(image.bytes(mine), [13, 7, 8, 0]);
         assert!(!image.has_foreign_changes(), "they are taken");
         assert!(!image.clone().has_foreign_changes());
+    }
+
+    #[test]
+    fn the_programs_of_a_project_are_listed_without_tags_too() {
+        let mut image = image();
+        let listed = |image: &Image| -> Vec<String> {
+            let tags = image.tags().iter();
+            let programs = tags.filter(|tag| matches!(tag.kind, TagKind::Program(_)));
+            programs.map(|tag| tag.name.clone()).collect()
+        };
+        let before = image.tags().len();
+        assert_eq!(image.list_programs(["Main", "Empty"].into_iter()), Ok(()));
+        assert_eq!(listed(&image), ["Program:Main", "Program:Empty"]);
+        let empty = image.find("program:empty").map(|tag| tag.id);
+        let tag = PlainTag {
+            program: Some("main".into()),
+            ..dint("Count")
+        };
+        image.add_program_tag(&tag).expect("room");
+        image.remove_program_tags(|_| false);
+        assert_eq!(
+            listed(&image),
+            ["Program:Main", "Program:Empty"],
+            "with or without tags"
+        );
+        // Another project.
+        assert_eq!(image.list_programs(["EMPTY", "Other"].into_iter()), Ok(()));
+        assert_eq!(listed(&image), ["Program:Empty", "Program:Other"]);
+        assert_eq!(
+            image.find("Program:Empty").map(|tag| tag.id),
+            empty,
+            "it is the same one"
+        );
+        assert_eq!(image.list_programs(std::iter::empty()), Ok(()));
+        assert_eq!(image.tags().len(), before);
+        // Without room.
+        let names = (0..).map(|number| format!("T{number}"));
+        let mut filled = names.take_while(|name| image.add_program_tag(&dint(name)).is_ok());
+        assert!(filled.by_ref().count() > 1000);
+        let names = ["A", "B", "C", "D"];
+        assert!(matches!(
+            image.list_programs(names.into_iter()),
+            Err((_, TableError::NoRoom))
+        ));
     }
 
     #[test]

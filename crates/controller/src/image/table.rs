@@ -392,12 +392,17 @@ impl Image {
         self.table.changes = self.table.changes.wrapping_add(1);
     }
 
-    /// Removes programs without tags, and unused types.
+    /// Removes programs without tags that no project has, and unused types.
     pub(super) fn sweep(&mut self) {
         let empty: Vec<TagId> = self
             .tags
             .iter()
-            .filter(|tag| matches!(tag.kind, TagKind::Program(row) if !self.tags.iter().any(|other| other.program == Some(row))))
+            .filter(|tag| match tag.kind {
+                TagKind::Program(row) => {
+                    !self.is_in_project(row) && !self.tags.iter().any(|other| other.program == Some(row))
+                }
+                _ => false,
+            })
             .map(|tag| tag.id)
             .collect();
         empty.into_iter().for_each(|id| self.remove(id));

@@ -50,6 +50,23 @@ async fn each_scope_lists_its_own_tags() {
 }
 
 #[tokio::test]
+async fn a_program_without_tags_is_listed_and_its_list_is_empty() {
+    let bench = Bench::new();
+    let listed = bench
+        .device
+        .plant
+        .exchange(false, |image| image.list_programs(["Empty"].into_iter()).is_ok());
+    assert!(listed);
+    let mut client = bench.client().await;
+    let controller = list(&mut client, None).await;
+    assert!(
+        controller.contains(&("Program:Empty".to_owned(), 0x1068, true)),
+        "{controller:?}"
+    );
+    assert_eq!(list(&mut client, Some("Program:Empty")).await, []);
+}
+
+#[tokio::test]
 async fn parts_are_read_and_written_by_every_kind_of_path() {
     let bench = Bench::new();
     let mut client = bench.client().await;
