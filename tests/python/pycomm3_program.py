@@ -9,6 +9,8 @@ server = sys.argv[1]
 
 with LogixDriver(server) as plc:
     equal("the programs", sorted(plc.info["programs"]), ["Main"])
+    equal("its routines", sorted(plc.info["programs"]["Main"]["routines"]), ["Count", "Go"])
+    equal("the tasks", sorted(plc.info["tasks"]), ["Fast"])
     equal("the mode", plc.get_plc_info()["keyswitch"], "REMOTE RUN")
     for tag, data_type in [("Batch", "Recipe"), ("Program:Main.Sum", "Adder"), ("Program:Main.Settle", "TIMER"),
                            ("Program:Main.Move", "MOTION_INSTRUCTION")]:

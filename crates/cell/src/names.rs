@@ -1,9 +1,10 @@
 //! The names of a machine for the routines of a project, and where the project's tags stand in the tag memory.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::iter;
 
 use arcline_controller::Input;
-use arcline_controller::image::{Access, Image, PlainTag, TableError, TagId, TagKind};
+use arcline_controller::image::{Access, Image, PlainTag, ProjectPart, TableError, TagId, TagKind};
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::{Attribute, AxisId, ControlSlot, Directory as _, Object};
 use arcline_routine::source::{self, Project};
@@ -143,11 +144,8 @@ impl<'m> Names<'m> {
             }
         }
         place_aliases(image, project);
-        let programs = project.programs.iter().map(|program| program.name.as_str());
-        image.list_programs(programs).map_err(|(program, error)| NotPlaced {
-            name: format!("Program:{program}"),
-            error,
-        })?;
+        let listed = image.list_project(parts(project));
+        listed.map_err(|(name, error)| NotPlaced { name, error })?;
         Ok(places)
     }
 }
@@ -241,6 +239,19 @@ fn full_name(tag: &PlainTag) -> String {
         Some(program) => format!("Program:{program}.{}", tag.name),
         None => tag.name.clone(),
     }
+}
+
+/// The tasks, programs and routines of a project, as the list of tags has them.
+fn parts(project: &Project) -> impl Iterator<Item = ProjectPart<'_>> {
+    let tasks = project.tasks.iter().map(|task| ProjectPart::Task(&task.name));
+    let programs = project.programs.iter().flat_map(|program| {
+        let routines = program.routines.iter().map(|routine| ProjectPart::Routine {
+            program: &program.name,
+            routine: &routine.name,
+        });
+        iter::once(ProjectPart::Program(&program.name)).chain(routines)
+    });
+    tasks.chain(programs)
 }
 
 /// Makes the aliases of a project; one may stand for another that comes later.

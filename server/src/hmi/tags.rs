@@ -1,6 +1,6 @@
 //! Tags for a viewer: a list by pages, values as JSON, and writes with the control that they need.
 
-use arcline_controller::image::{Access, Image, Tag, TagId, TagKind};
+use arcline_controller::image::{Access, Image, Tag, TagId};
 use arcline_tag::{
     DataType, Elementary, FloatsOnly, Fraction, Misfit, PathSegment, TagPath, TagValue, Value, WriteValue,
 };
@@ -34,7 +34,7 @@ pub(super) fn list(plant: &Plant, pattern: &str, after: Option<&str>) -> Result<
         let mut found: Vec<(String, &Tag)> = image
             .tags()
             .iter()
-            .filter(|tag| !matches!(tag.kind, TagKind::Program(_)))
+            .filter(|tag| !tag.kind.is_part_of_project())
             .map(|tag| (image.full_name(tag).to_ascii_lowercase(), tag))
             .filter(|(name, _)| matches(name, &pattern))
             .filter(|(name, _)| after.as_ref().is_none_or(|after| name > after))

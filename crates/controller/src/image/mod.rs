@@ -58,7 +58,7 @@ pub use fault_inject::FAULT_INJECT_TAG;
 pub use feed_override::{FEED_OVERRIDE_PERCENT, FEED_OVERRIDE_TAG};
 pub use health::{Health, MeasuredTime, REAL_TIME_TAG};
 pub use motion_inhibit::MOTION_INHIBIT_TAG;
-pub use program::{ChangedPart, ForeignChanges};
+pub use program::{ChangedPart, ForeignChanges, ProjectPart};
 pub use table::{ConfiguredTags, MAX_PLAIN_BYTES, MAX_PLAIN_TAGS, TableError, is_tag_name};
 pub use tag::{Access, AliasTarget, InstructionKind, InstructionTag, PlainTag, Tag, TagId, TagKind, WriteEffect};
 pub use write_rule::{NumberRange, WriteRule, Writers};
@@ -295,7 +295,8 @@ impl Image {
             self.add_template(template);
         }
         let size = match kind {
-            TagKind::Alias(_) | TagKind::Program(_) => 0,
+            TagKind::Alias(_) => 0,
+            kind if kind.is_part_of_project() => 0,
             _ => tag_type.size(),
         };
         // At the end, unless an id is reused.

@@ -4,9 +4,10 @@
 //! Not here: the memory of the program, and the order of the exchange of changes (`arcline_server`'s `live`).
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 use arcline_instruction_set::ControlSlot;
-use arcline_tag::{DataType, TagType};
+use arcline_tag::{DataType, Elementary, TagType};
 
 use super::{Image, PlainTag, TableError, TagId, TagKind};
 use crate::Event;
@@ -35,6 +36,32 @@ pub struct ChangedPart {
     pub mask: u8,
 }
 
+/// A part of a project that the list of tags contains, without data. Its text is its name there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ProjectPart<'n> {
+    /// A task.
+    Task(&'n str),
+    /// A program.
+    Program(&'n str),
+    /// A routine of a program.
+    Routine {
+        /// The program.
+        program: &'n str,
+        /// The routine.
+        routine: &'n str,
+    },
+}
+
+impl fmt::Display for ProjectPart<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ProjectPart::Task(task) => write!(out, "Task:{task}"),
+            ProjectPart::Program(program) => write!(out, "Program:{program}"),
+            ProjectPart::Routine { program, routine } => write!(out, "Program:{program}.Routine:{routine}"),
+        }
+    }
+}
+
 /// The notes for a program; `None` without a program. A copy of the image starts without notes.
 #[derive(Debug, Default)]
 pub(super) struct Notes(pub(super) Option<ForeignChanges>);
@@ -49,8 +76,8 @@ impl Clone for Notes {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ProgramTags {
     tags: BTreeSet<TagId>,
-    /// The programs of the project, in lower case: they are listed without tags too.
-    programs: BTreeSet<String>,
+    /// The names of the project's tasks, programs and routines in the list of tags, in lower case.
+    listed: BTreeSet<String>,
     /// The slots of motion control structures inside of them, with their paths.
     controls: BTreeMap<u32, String>,
 }
@@ -122,28 +149,59 @@ impl Image {
         added.is_some()
     }
 
-    /// Lists the programs of a project, also those without tags, in place of the programs of an earlier project.
+    /// Lists the tasks, programs and routines of a project, in place of those of an earlier one.
     ///
     /// # Errors
-    /// The first program for which there is no room; some are listed then.
-    pub fn list_programs<'n>(&mut self, names: impl Iterator<Item = &'n str>) -> Result<(), (&'n str, TableError)> {
-        let mut programs = BTreeSet::new();
-        for name in names {
-            if self.tags.len() >= MAX_TAGS {
+    /// The first part for which there is no room, with its name in the list; some are listed then.
+    pub fn list_project<'n>(
+        &mut self,
+        parts: impl Iterator<Item = ProjectPart<'n>>,
+    ) -> Result<(), (String, TableError)> {
+        let mut listed = BTreeSet::new();
+        for part in parts {
+            let name = part.to_string();
+            if self.tags.len() + 2 > MAX_TAGS {
                 return Err((name, TableError::NoRoom));
             }
-            self.add_program(name);
-            programs.insert(name.to_ascii_lowercase());
+            match part {
+                ProjectPart::Task(task) => self.list_part(None, &format!("Task:{task}"), TagKind::Task),
+                ProjectPart::Program(program) => {
+                    self.add_program(program);
+                }
+                ProjectPart::Routine { program, routine } => {
+                    let row = self.add_program(program);
+                    self.list_part(Some(row), &format!("Routine:{routine}"), TagKind::Routine);
+                }
+            }
+            listed.insert(name.to_ascii_lowercase());
         }
-        self.program_tags.programs = programs;
+        let gone: Vec<TagId> = self
+            .tags
+            .iter()
+            .filter(|tag| matches!(tag.kind, TagKind::Task | TagKind::Routine))
+            .filter(|tag| !listed.contains(&self.full_name(tag).to_ascii_lowercase()))
+            .map(|tag| tag.id)
+            .collect();
+        gone.into_iter().for_each(|id| self.remove(id));
+        self.program_tags.listed = listed;
         self.sweep();
         Ok(())
     }
 
+    fn list_part(&mut self, program: Option<u16>, name: &str, kind: TagKind) {
+        let scope = program.and_then(|row| self.programs.get(usize::from(row)));
+        if self.names.get(scope.map(String::as_str), name).is_none() {
+            self.add_in(program, name, TagType::scalar(Elementary::Udint), kind);
+        }
+    }
+
     /// Whether a project has the program of this row.
     pub(super) fn is_in_project(&self, program: u16) -> bool {
-        let name = self.programs.get(usize::from(program));
-        name.is_some_and(|name| self.program_tags.programs.contains(&name.to_ascii_lowercase()))
+        let program = self.programs.get(usize::from(program));
+        program.is_some_and(|program| {
+            let name = ProjectPart::Program(program).to_string();
+            self.program_tags.listed.contains(&name.to_ascii_lowercase())
+        })
     }
 
     /// Removes the tags of the program, except those that `keep` selects.
@@ -307,16 +365,29 @@ mod tests {
     }
 
     #[test]
-    fn the_programs_of_a_project_are_listed_without_tags_too() {
+    fn the_parts_of_a_project_are_listed() {
+        use ProjectPart::{Program, Routine, Task};
         let mut image = image();
-        let listed = |image: &Image| -> Vec<String> {
+        let listed = |image: &Image| -> Vec<(String, u16)> {
             let tags = image.tags().iter();
-            let programs = tags.filter(|tag| matches!(tag.kind, TagKind::Program(_)));
-            programs.map(|tag| tag.name.clone()).collect()
+            let parts = tags.filter(|tag| tag.kind.is_part_of_project());
+            parts.map(|tag| (image.full_name(tag), tag.symbol_type())).collect()
+        };
+        let go = Routine {
+            program: "Main",
+            routine: "Go",
         };
         let before = image.tags().len();
-        assert_eq!(image.list_programs(["Main", "Empty"].into_iter()), Ok(()));
-        assert_eq!(listed(&image), ["Program:Main", "Program:Empty"]);
+        let first = [Task("Fast"), Program("Main"), go, Program("Empty")];
+        let expected = [
+            ("Task:Fast", 0x1070),
+            ("Program:Main", 0x1068),
+            ("Program:Main.Routine:Go", 0x106D),
+            ("Program:Empty", 0x1068),
+        ]
+        .map(|(name, word)| (name.to_owned(), word));
+        assert_eq!(image.list_project(first.into_iter()), Ok(()));
+        assert_eq!(listed(&image), expected);
         let empty = image.find("program:empty").map(|tag| tag.id);
         let tag = PlainTag {
             program: Some("main".into()),
@@ -324,30 +395,27 @@ mod tests {
         };
         image.add_program_tag(&tag).expect("room");
         image.remove_program_tags(|_| false);
-        assert_eq!(
-            listed(&image),
-            ["Program:Main", "Program:Empty"],
-            "with or without tags"
-        );
+        assert_eq!(image.list_project(first.into_iter()), Ok(()));
+        assert_eq!(listed(&image), expected, "with or without tags, once");
+        let path = "Program:Main.Routine:Go".parse().expect("a path");
+        assert!(image.read(&path).is_err(), "it has no data");
         // Another project.
-        assert_eq!(image.list_programs(["EMPTY", "Other"].into_iter()), Ok(()));
-        assert_eq!(listed(&image), ["Program:Empty", "Program:Other"]);
+        assert_eq!(image.list_project([Program("EMPTY"), Task("Slow")].into_iter()), Ok(()));
+        let names: Vec<String> = listed(&image).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["Program:Empty", "Task:Slow"]);
         assert_eq!(
             image.find("Program:Empty").map(|tag| tag.id),
             empty,
             "it is the same one"
         );
-        assert_eq!(image.list_programs(std::iter::empty()), Ok(()));
+        assert_eq!(image.list_project(std::iter::empty()), Ok(()));
         assert_eq!(image.tags().len(), before);
         // Without room.
-        let names = (0..).map(|number| format!("T{number}"));
-        let mut filled = names.take_while(|name| image.add_program_tag(&dint(name)).is_ok());
-        assert!(filled.by_ref().count() > 1000);
-        let names = ["A", "B", "C", "D"];
-        assert!(matches!(
-            image.list_programs(names.into_iter()),
-            Err((_, TableError::NoRoom))
-        ));
+        let mut names = (0..).map(|number| format!("T{number}"));
+        let filled = names.position(|name| image.add_program_tag(&dint(&name)).is_err());
+        assert!(filled > Some(1000));
+        let refused = image.list_project([first, first].concat().into_iter());
+        assert!(matches!(refused, Err((_, TableError::NoRoom))), "{refused:?}");
     }
 
     #[test]

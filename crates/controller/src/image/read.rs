@@ -37,10 +37,10 @@ impl Image {
         tag: &Tag,
         rest: &[PathSegment<S>],
     ) -> Result<(TagId, Location), PathError> {
-        let mut location = match tag.kind {
-            TagKind::Program(_) => return Err(PathError::Empty),
-            _ => arcline_instruction_set::locate(&tag.tag_type, rest)?,
-        };
+        if tag.kind.is_part_of_project() {
+            return Err(PathError::Empty);
+        }
+        let mut location = arcline_instruction_set::locate(&tag.tag_type, rest)?;
         let TagKind::Alias(alias) = tag.kind else {
             return Ok((tag.id, location));
         };

@@ -37,6 +37,10 @@ pub enum TagKind {
     Alias(AliasTarget),
     /// A program: the scope of tags, by its index in [`Image::programs`](super::Image::programs).
     Program(u16),
+    /// A task of a project, which has no data.
+    Task,
+    /// A routine of a project, which has no data.
+    Routine,
     /// The health of the real-time thread.
     RealTime,
     /// The feed override of every coordinate system.
@@ -90,20 +94,29 @@ pub struct Tag {
     pub rule: WriteRule,
 }
 
-/// Type word of a program in the list of tags (spec/ethernet-ip.md §10).
+/// Type words of programs, routines and tasks in the list of tags (spec/ethernet-ip.md §10).
 const PROGRAM_TYPE: u16 = 0x1068;
+const ROUTINE_TYPE: u16 = 0x106D;
+const TASK_TYPE: u16 = 0x1070;
 
 impl Tag {
     /// The type word that clients see.
     pub fn symbol_type(&self) -> u16 {
         match self.kind {
             TagKind::Program(_) => PROGRAM_TYPE,
+            TagKind::Routine => ROUTINE_TYPE,
+            TagKind::Task => TASK_TYPE,
             _ => self.tag_type.symbol_type(),
         }
     }
 }
 
 impl TagKind {
+    /// Whether the entry of the list of tags is a part of a project instead of a tag: it has no data.
+    pub fn is_part_of_project(self) -> bool {
+        matches!(self, TagKind::Program(_) | TagKind::Task | TagKind::Routine)
+    }
+
     /// The writers of such a tag, at least of a part.
     pub(super) fn access(self) -> Access {
         match self {

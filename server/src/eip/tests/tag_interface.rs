@@ -1,5 +1,6 @@
 //! Program scopes, structures, several dimensions and aliases, as clients address them.
 
+use arcline_controller::image::ProjectPart;
 use arcline_proto::cip::{Request, encode_attribute_ids, service};
 use arcline_proto::epath::{Epath, Segment};
 use arcline_proto::logix::Symbol;
@@ -50,19 +51,28 @@ async fn each_scope_lists_its_own_tags() {
 }
 
 #[tokio::test]
-async fn a_program_without_tags_is_listed_and_its_list_is_empty() {
+async fn the_parts_of_a_project_are_listed() {
     let bench = Bench::new();
+    let go = ProjectPart::Routine {
+        program: "Main",
+        routine: "Go",
+    };
+    let parts = [ProjectPart::Task("Fast"), ProjectPart::Program("Empty"), go];
     let listed = bench
         .device
         .plant
-        .exchange(false, |image| image.list_programs(["Empty"].into_iter()).is_ok());
+        .exchange(false, |image| image.list_project(parts.into_iter()).is_ok());
     assert!(listed);
     let mut client = bench.client().await;
     let controller = list(&mut client, None).await;
-    assert!(
-        controller.contains(&("Program:Empty".to_owned(), 0x1068, true)),
-        "{controller:?}"
-    );
+    for (name, word) in [("Task:Fast", 0x1070), ("Program:Empty", 0x1068)] {
+        assert!(
+            controller.contains(&(name.to_owned(), word, true)),
+            "{name}: {controller:?}"
+        );
+    }
+    let main = list(&mut client, Some("Program:Main")).await;
+    assert!(main.contains(&("Routine:Go".to_owned(), 0x106D, true)), "{main:?}");
     assert_eq!(list(&mut client, Some("Program:Empty")).await, []);
 }
 
