@@ -14,7 +14,7 @@ use arcline_client::Tls;
 use arcline_system_tests::load::{Load, Outcome, Question, read, read_all, serve_echo};
 use arcline_system_tests::python::Python;
 use arcline_system_tests::secured::Secured;
-use arcline_system_tests::server::Server;
+use arcline_system_tests::server::{Server, processor_time};
 
 /// Tags that one Multiple Service Packet reads.
 const TAGS: usize = 100;
@@ -269,16 +269,6 @@ fn idle(process: u32) -> f64 {
     std::thread::sleep(Duration::from_millis(300));
     let took = processor_time(process).saturating_sub(before);
     took.as_secs_f64() / began.elapsed().as_secs_f64()
-}
-
-/// The processor time of all threads of a process so far.
-fn processor_time(process: u32) -> Duration {
-    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("Linux shows it");
-    let time = |thread: std::io::Result<std::fs::DirEntry>| {
-        let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
-        text.split_whitespace().next()?.parse::<u64>().ok()
-    };
-    Duration::from_nanos(threads.filter_map(time).sum())
 }
 
 fn print(what: &str, connections: usize, outcome: &Outcome) {

@@ -234,3 +234,17 @@ pub fn signal(name: &str, process: u32) {
         "kill -{name} {process} failed"
     );
 }
+
+/// The processor time of all threads of a process so far.
+///
+/// # Panics
+/// The process has ended.
+#[must_use]
+pub fn processor_time(process: u32) -> Duration {
+    let threads = std::fs::read_dir(format!("/proc/{process}/task")).expect("Linux shows it");
+    let time = |thread: std::io::Result<std::fs::DirEntry>| {
+        let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<u64>().ok()
+    };
+    Duration::from_nanos(threads.filter_map(time).sum())
+}
