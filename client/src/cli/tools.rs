@@ -34,7 +34,7 @@ pub(crate) async fn explain(server: &Server, command: &Explain, output: &Output)
             Ok(())
         }
         Subject::Tag(tag) => {
-            let client = server.connect().await?;
+            let client = server.connect().await.map_err(|error| needs_server(error, tag))?;
             let told = of_tag(&client, tag, command.instruction).await;
             client.close().await;
             let (err, exerr, mnemonic) = told.map_err(|error| or_a_fault(error, tag))?;
@@ -44,6 +44,19 @@ pub(crate) async fn explain(server: &Server, command: &Explain, output: &Output)
             }
             codes(err, Some(exerr), mnemonic, output)
         }
+    }
+}
+
+/// Why a server is needed: the subject is neither a code nor the word of a fault.
+fn needs_server(error: ClientError, tag: &str) -> Failure {
+    match error {
+        source @ ClientError::Connect { .. } => {
+            let near = nearest(tag, FAULTS.iter().map(|fault| fault.word));
+            let near = near.map_or_else(String::new, |near| format!(" (did you mean {near:?}?)"));
+            let hint = format!("{tag} is neither an error nor a fault{near}, and tags are read from the server");
+            Failure::Hint { source, hint }
+        }
+        error => error.into(),
     }
 }
 

@@ -105,6 +105,12 @@ fn an_error_is_explained() {
     assert!(near.stderr.contains("did you mean \"Move1\"?"), "{near:?}");
     // Codes and faults need no server.
     let nobody = "127.0.0.1:1".parse().expect("an address");
+    let refused = arcline(nobody, &["explain", "overcurent"]).expect(3).stderr;
+    let words = "overcurent is neither an error nor a fault (did you mean \"overcurrent\"?), and tags are read from the server\n";
+    assert!(
+        refused.starts_with("no connection to 127.0.0.1:1: ") && refused.ends_with(words),
+        "{refused}"
+    );
     assert!(
         arcline(nobody, &["explain", "overcurrent"])
             .expect(0)
