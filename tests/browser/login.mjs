@@ -173,7 +173,14 @@ export async function texts_of_strangers_are_shown_as_text({ browser, url, folde
   // The program of the controller: its file, task, program and routine, comments of rungs, a value, a line, a fault with its place.
   await go(page, "controller");
   for (const number of [5, 10, 13, 14, 15]) await page.getByText(`onerror=alert(${number})`).first().waitFor();
-  await page.getByText("<img src=x onerro…").first().waitFor();
+  // In a box a value is cut to the room beside its operand.
+  const value = page.locator(".operand-value", { hasText: /^<img .*…$/ }).first();
+  await value.waitFor();
+  const room = await value.evaluate((text) => {
+    const operand = text.previousElementSibling.getBBox();
+    return text.getBBox().x - operand.x - operand.width;
+  });
+  assert.ok(room >= 0, `the value is ${-room} px over its operand`);
   await page.locator(`[data-name$="/Logic"]`).first().click();
   await page.getByText("onerror=alert(16)").first().waitFor();
   await page.evaluate(() => new Promise((done) => {
