@@ -18,12 +18,7 @@ impl Client {
         let reply = self
             .ask(name, service::GET_ATTRIBUTE_SINGLE, path, Bytes::new())
             .await?;
-        let value = if attribute.is_whole() {
-            reply.data.first_chunk().map(|bytes| u32::from_le_bytes(*bytes).into())
-        } else {
-            reply.data.first_chunk().map(|bytes| f64::from_le_bytes(*bytes))
-        };
-        value.ok_or(ClientError::Malformed {
+        attribute.decode(&reply.data).ok_or(ClientError::Malformed {
             what: "an attribute is shorter than its type",
         })
     }
@@ -36,14 +31,7 @@ impl Client {
     /// attribute cannot have; [`ClientError::Refused`]: 0x0E for an attribute that only the configuration sets.
     pub async fn set_attribute(&self, attribute: &Attribute, name: &str, value: f64) -> Result<(), ClientError> {
         let path = self.attribute_path(attribute, name).await?;
-        let data = if attribute.is_whole() {
-            // A number that is no UDINT becomes one that no attribute can have.
-            let whole = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
-            let word = if whole { value as u32 } else { u32::MAX };
-            Bytes::copy_from_slice(&word.to_le_bytes())
-        } else {
-            Bytes::copy_from_slice(&value.to_le_bytes())
-        };
+        let data = Bytes::from(attribute.encode(value));
         match self.ask(name, service::SET_ATTRIBUTE_SINGLE, path, data).await {
             Err(ClientError::Refused { status, .. }) if status.is(CipStatus::INVALID_ATTRIBUTE_VALUE) => {
                 Err(ClientError::AttributeValue {

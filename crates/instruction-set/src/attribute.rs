@@ -87,9 +87,35 @@ impl Attribute {
     }
 
     /// Whether the attribute is a UDINT on the wire; any other is an LREAL.
-    #[must_use]
-    pub fn is_whole(&self) -> bool {
+    fn is_whole(&self) -> bool {
         self.quantity == Quantity::DynamicsConfigurationBits
+    }
+
+    /// Bytes of the attribute on the wire.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        if self.is_whole() { 4 } else { 8 }
+    }
+
+    /// A value as it travels. A number that is no UDINT becomes one that no attribute can have.
+    #[must_use]
+    pub fn encode(&self, value: f64) -> Vec<u8> {
+        if !self.is_whole() {
+            return value.to_le_bytes().to_vec();
+        }
+        let fits = (0.0..=f64::from(u32::MAX)).contains(&value) && value.fract() == 0.0;
+        let word = if fits { value as u32 } else { u32::MAX };
+        word.to_le_bytes().to_vec()
+    }
+
+    /// The value in the first bytes; `None` if there are fewer than [`Attribute::size`].
+    #[must_use]
+    pub fn decode(&self, bytes: &[u8]) -> Option<f64> {
+        if self.is_whole() {
+            bytes.first_chunk().map(|bytes| u32::from_le_bytes(*bytes).into())
+        } else {
+            bytes.first_chunk().map(|bytes| f64::from_le_bytes(*bytes))
+        }
     }
 
     /// Whether the attribute can be set to a value.
@@ -154,6 +180,29 @@ const fn system(name: &'static str, number: u16, quantity: Quantity) -> Attribut
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_travel_whole() {
+        for one in ATTRIBUTES {
+            let bytes = one.encode(5.0);
+            assert_eq!(
+                (bytes.len(), one.decode(&bytes)),
+                (one.size(), Some(5.0)),
+                "{}",
+                one.name
+            );
+            assert_eq!(one.decode(&bytes[1..]), None, "{}", one.name);
+            for value in [-1.0, 0.5, 1e10, f64::NAN] {
+                let travelled = one.decode(&one.encode(value));
+                let is_refused = one.is_whole() && !travelled.is_some_and(|value| one.holds(value));
+                assert!(
+                    is_refused || travelled.map(f64::to_bits) == Some(value.to_bits()),
+                    "{}: {value}",
+                    one.name
+                );
+            }
+        }
+    }
 
     #[test]
     fn names_and_numbers_of_a_class_are_unique() {

@@ -92,12 +92,7 @@ impl Object for MotionObjects {
                 .image()
                 .attribute(cx.device().plant.machine(), attribute, index)
                 .ok_or_else(unknown)?;
-            return if attribute.is_whole() {
-                // Exact: such a value is a small whole number.
-                u32_value(value as u32)
-            } else {
-                f64_value(value)
-            };
+            return Ok(attribute.encode(value).into());
         }
         match self.0 {
             MotionObject::MotionGroup => group(cx.device().plant.machine(), id),
@@ -147,16 +142,15 @@ impl Object for MotionObjects {
     }
 
     fn settable(&self, _cx: &ObjectContext<'_, '_>, _instance: u32, id: u16) -> Option<usize> {
+        if let Some(attribute) = Attribute::numbered(self.0, id) {
+            return attribute.is_settable().then(|| attribute.size());
+        }
         let settable = match self.0 {
             MotionObject::MotionGroup => false,
             MotionObject::Axis => id == of_axis::INJECTED_FAULTS,
             MotionObject::CoordinateSystem => id == of_system::FEED_OVERRIDE,
         };
-        let attribute = Attribute::numbered(self.0, id).filter(|one| one.is_settable());
-        match attribute {
-            Some(attribute) => Some(if attribute.is_whole() { 4 } else { 8 }),
-            None => settable.then_some(4),
-        }
+        settable.then_some(4)
     }
 
     /// Each attribute is a command of the plant, which has a right of its own.
@@ -170,12 +164,7 @@ impl Object for MotionObjects {
         let word = u32::from_le_bytes(bytes);
         let command = match (Attribute::numbered(self.0, id), self.0) {
             (Some(attribute), _) => {
-                let value = if attribute.is_whole() {
-                    f64::from(word)
-                } else {
-                    let bytes = *value.first_chunk().ok_or(CipStatus::NOT_ENOUGH_DATA)?;
-                    f64::from_le_bytes(bytes)
-                };
+                let value = attribute.decode(value).ok_or(CipStatus::NOT_ENOUGH_DATA)?;
                 Command::SetAttribute {
                     attribute,
                     index,
