@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use arcline_realtime::Handle;
 use futures_util::{SinkExt as _, StreamExt as _};
@@ -102,11 +102,18 @@ impl Bench {
 
 type Socket = WebSocketStream<MaybeTlsStream<TcpStream>>;
 
+/// Kinds of pushes that tell each change once.
+const ONCE: [&str; 3] = ["event", "program", "session"];
+
 struct Viewer {
     socket: Socket,
     next: u64,
-    /// Answers that came while another one was waited for.
+    /// Answers that came while something else was waited for.
     other_answers: Vec<Value>,
+    /// Pushes of [`ONCE`] that came while an answer was waited for, oldest first.
+    unread: Vec<Value>,
+    /// The text of the newest program, which only the first push of it has.
+    program_text: Option<Value>,
 }
 
 impl Viewer {
@@ -116,6 +123,8 @@ impl Viewer {
             socket,
             next: 1,
             other_answers: Vec::new(),
+            unread: Vec::new(),
+            program_text: None,
         };
         viewer.push("hello").await;
         viewer
@@ -130,7 +139,13 @@ impl Viewer {
     async fn text(&mut self) -> Option<Value> {
         loop {
             match timeout(SOON, self.socket.next()).await.expect("in time") {
-                Some(Ok(Message::Text(text))) => return serde_json::from_str(&text).ok(),
+                Some(Ok(Message::Text(text))) => {
+                    let text: Value = serde_json::from_str(&text).ok()?;
+                    if text["push"] == "program" && text["text"].is_string() {
+                        self.program_text = Some(text["text"].clone());
+                    }
+                    return Some(text);
+                }
                 Some(Ok(Message::Close(_)) | Err(_)) | None => return None,
                 Some(Ok(_)) => {}
             }
@@ -139,20 +154,47 @@ impl Viewer {
 
     /// The next push of a kind.
     async fn push(&mut self, kind: &str) -> Value {
+        if let Some(place) = self.unread.iter().position(|push| push["push"] == kind) {
+            return self.unread.remove(place);
+        }
+        let deadline = Instant::now() + SOON;
         loop {
+            assert!(Instant::now() < deadline, "no push {kind}");
             let text = self.text().await.expect("it is open");
             if text["push"] == kind {
                 return text;
             }
+            self.keep(text);
         }
     }
 
-    /// Asks, and waits for the answer: `ok`, or the error as it is.
-    async fn ask(&mut self, mut message: Value) -> Result<Value, Value> {
-        message["id"] = self.next.into();
+    /// Keeps what is read later: an answer, or a push that does not come again.
+    fn keep(&mut self, text: Value) {
+        if text.get("id").is_some() {
+            self.other_answers.push(text);
+        } else if ONCE.iter().any(|kind| text["push"] == *kind) {
+            self.unread.push(text);
+        }
+    }
+
+    /// Sends a request, and returns its number.
+    async fn request(&mut self, mut message: Value) -> u64 {
+        let id = self.next;
         self.next += 1;
+        message["id"] = id.into();
         self.send(message.to_string()).await;
-        let mut answer = self.answer(message["id"].clone()).await;
+        id
+    }
+
+    /// Asks, and waits for the answer: `ok`, or the error as it is.
+    async fn ask(&mut self, message: Value) -> Result<Value, Value> {
+        let id = self.request(message).await;
+        self.result(id).await
+    }
+
+    /// The result of a request: `ok`, or the error as it is.
+    async fn result(&mut self, id: u64) -> Result<Value, Value> {
+        let mut answer = self.answer(id).await;
         match answer.get_mut("ok") {
             Some(ok) => Ok(ok.take()),
             None => Err(answer["error"].take()),
@@ -165,14 +207,14 @@ impl Viewer {
         if let Some(place) = self.other_answers.iter().position(|answer| answer["id"] == id) {
             return self.other_answers.swap_remove(place);
         }
+        let deadline = Instant::now() + SOON;
         loop {
+            assert!(Instant::now() < deadline, "no answer {id}");
             let text = self.text().await.expect("it is open");
             if text["id"] == id {
                 return text;
             }
-            if text.get("id").is_some() {
-                self.other_answers.push(text);
-            }
+            self.keep(text);
         }
     }
 }
