@@ -153,6 +153,7 @@ impl<'a> Section<'a> {
                 self.within(closed_in, &mut margin)
             })?;
         let mut control = best.control.clone();
+        work.allow_hastening(control.points.len());
         for round in 0..=TUNING.gentle.repairs {
             // If the curve is outside with the new times of its nodes, it is smoothed for these.
             if round > 0 {
@@ -299,7 +300,13 @@ impl<'a> Section<'a> {
                 });
             }
             if work.is_done() {
-                return within_before.ok_or(Missed::Near);
+                let within = within_before.ok_or(Missed::Near)?;
+                let last = stages.iter().rfind(|stage| stage.result == StageResult::Plan);
+                work.allow_hastening(within.control.points.len());
+                return Ok(match last {
+                    Some(stage) => self.improved(within, stage, &margin, work),
+                    None => within,
+                });
             }
             // The first repair narrows the corridor only where the curve was outside; later ones narrow all of it.
             if is_repair && quality != Quality::TimingOnly {

@@ -33,6 +33,7 @@ pub(crate) struct Tuning {
     pub(crate) joined: Joined,
     pub(crate) gentle: Gentle,
     pub(crate) attempts: Attempts,
+    pub(crate) patience: Patience,
 }
 
 pub(crate) const TUNING: Tuning = Tuning {
@@ -51,6 +52,7 @@ pub(crate) const TUNING: Tuning = Tuning {
     joined: Joined::VALUES,
     gentle: Gentle::VALUES,
     attempts: Attempts::VALUES,
+    patience: Patience::VALUES,
 };
 
 constants! {
@@ -312,6 +314,36 @@ constants! {
         /// steps; without a bound those that were not took up to 7,600.
         to_continue: u64 = 1_000_000,
         to_continue_each: u64 = 1000,
+        /// Visits of each node to make a motion within all limits faster when the budget of its search is used up: a start that was slowed down takes ten
+        /// times as long as it must.
+        hastening_each: u64 = 100,
+        /// Visits of each node that an attempt of a gentle continuation is worth without its optimisation: its speed curve, and a smoothing.
+        attempt_each: u64 = 50,
+        /// Visits that one of timing and shape together is worth.
+        together_each: u64 = 3,
+        /// Visits in a second of a processor: 4 to 10 million on a computer of 2026. Fewer leave the searches of an extension less work, more let them
+        /// take longer than there is time.
+        visits_per_s: f64 = 4e6,
+    }
+}
+
+constants! {
+    /// The time that the searches for an extension may take, so that the last of them still is in time: shares of the running motion's rest, and the least
+    /// seconds. Extensions that are found on a smooth curve take 10 to 90 ms and those that are not found took 0.2 to 2 s: without these limits one
+    /// random stream in five rested.
+    Patience {
+        smooth: [f64; 2] = [0.2, 0.1],
+        gentle_and_smooth: [f64; 2] = [0.08, 0.02],
+        together: [f64; 2] = [0.4, 0.01],
+        smooth_sooner: [f64; 2] = [0.12, 0.01],
+        gentle: [f64; 2] = [0.12, 0.05],
+        gentle_alone: [f64; 2] = [0.3, 0.05],
+        gentle_sooner: [f64; 2] = [0.12, 0.02],
+        last: [f64; 2] = [1.0, 0.1],
+        /// The share of its time that a gentle search takes until it finds a plan, about.
+        gentle_takes: f64 = 0.5,
+        /// The longest rest of which they take a share, seconds: a failed extension is tried again with what is left.
+        most_rest_s: f64 = 1.5,
     }
 }
 
@@ -568,7 +600,7 @@ constants! {
 /// The parameters of one attempt to extend a running trajectory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
-    /// Seconds after the first possible splice.
+    /// Seconds after the last splice before the braking; less than 0: before it.
     pub(crate) later_s: f64,
     /// The instant at which the warm start leaves the running motion: times of braking before its end.
     pub(crate) brakings: f64,
@@ -617,5 +649,11 @@ constants! {
         /// For a short rest of the running motion ([`Extend::short_s`] has the experiment): a splice at a slower instant succeeds more often than a slower
         /// motion only. Of 13 extensions of `fine` that were not found at once, 11 were from an instant 40 ms later, and none by slowing down more.
         short: [Attempt; 6] = [ATTEMPTS[0], ATTEMPTS[3], ATTEMPTS[1], ATTEMPTS[2], ATTEMPTS[4], ATTEMPTS[5]],
+        /// Long before the braking, where the motion is another one: an extension that is not found from near the end is never found there.
+        sooner: [Attempt; 3] = [
+            attempt(-0.15, 1.0, SlowDown::Outside, false),
+            attempt(-0.4, 1.0, SlowDown::Outside, false),
+            attempt(-0.8, 1.0, SlowDown::Outside, false),
+        ],
     }
 }

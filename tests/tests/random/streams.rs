@@ -1,6 +1,5 @@
 //! Random toolpaths through a full queue of 1,000 moves: chords, islands of tiny moves, lines, arcs between lines and sudden corners. Plans come
-//! 20 ms after their request. A trapezoid stream never rests on the way and an S-curve stream rests in less than one of fifty; both are within
-//! their limits at every tick, also with overrides, changes and stops meanwhile.
+//! 20 ms after their request. None rests on the way, and all are within their limits at every tick, also with overrides, changes and stops meanwhile.
 #![allow(missing_docs)]
 
 use arcline_contour::AxisLimits;
@@ -15,40 +14,18 @@ const FEED: Feed = Feed {
     per_tick: 16.0,
     latency: Latency::Seconds(0.02),
 };
-/// Seeds that rested: a curve that was left for evenly rounded corners, too coarse in those that it passed first, or never left as it was too fast for them.
-const FOUND: [u64; 5] = [111, 293, 460, 735, 804];
+/// Seeds that rested: a curve that was left for evenly rounded corners, too coarse in those that it passed first, or never left as it was too fast for
+/// them, or left so late that it was a smooth one; extensions that were given up too early (149, 343).
+const FOUND: [u64; 10] = [111, 133, 149, 228, 293, 343, 445, 460, 735, 804];
 
 #[test]
-fn a_trapezoid_stream_that_is_sent_fast_enough_never_rests() {
-    let Rests { rests, .. } = rests(seeds(80).chain(FOUND), |wild| wild.jerk.is_none());
-    assert_eq!(rests, 0);
-}
-
-#[test]
-fn an_s_curve_stream_that_is_sent_fast_enough_rests_in_less_than_one_of_fifty() {
-    let Rests { streams, rests } = rests(seeds(120), |wild| wild.jerk.is_some());
-    assert!(50 * rests < streams.max(51), "{rests} rests in {streams} streams");
-}
-
-/// The numbers of rests on the way.
-struct Rests {
-    streams: usize,
-    rests: usize,
-}
-
-fn rests(seeds: impl Iterator<Item = u64>, is_meant: impl Fn(&Wild) -> bool) -> Rests {
-    let (mut streams, mut rests) = (0, 0);
-    let meant = seeds.map(|seed| (seed, Wild::new(seed, MOVES)));
-    for (seed, wild) in meant.filter(|(_, wild)| is_meant(wild)) {
+fn a_stream_that_is_sent_fast_enough_never_rests() {
+    for seed in seeds(120).chain(FOUND) {
+        let wild = Wild::new(seed, MOVES);
         let mut within = Within::new(&wild, seed);
         let told = travel(&wild.moves, wild.jerk, FEED, |_, _, sample| within.look(sample));
-        streams += 1;
-        rests += told.unplanned;
-        if told.unplanned > 0 {
-            println!("seed {seed} rests {} times: {wild}", told.unplanned);
-        }
+        assert_eq!(told.unplanned, 0, "seed {seed}: {wild}");
     }
-    Rests { streams, rests }
 }
 
 /// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream

@@ -8,7 +8,7 @@ use crate::path::allowance::SectionStart;
 use crate::plan::{PlanningTime, plan_with};
 use crate::section::{Missed, Section};
 use crate::solve::stages::Quality;
-use crate::solve::work::Work;
+use crate::solve::work::{Budget, Work};
 use crate::timing::control_points::GIVEN;
 use crate::trajectory::{AxesState, Knot};
 use crate::tuning::{SlowDown, TUNING};
@@ -30,8 +30,8 @@ pub(crate) struct Continuation<'a> {
 }
 
 impl Continuation<'_> {
-    /// Plans from `splice` on; the warm start follows the running motion until `leave`. `work` is the budget of all attempts on timing and shape
-    /// together; the first attempt sets it.
+    /// Plans from `splice` on; the warm start follows the running motion until `leave`. `work` is that of all attempts on timing and shape
+    /// together; the first attempt sets it. All of it is within a budget.
     ///
     /// # Errors
     /// No motion was found.
@@ -42,6 +42,7 @@ impl Continuation<'_> {
         slow_down: SlowDown,
         holds: bool,
         work: &mut Option<Work>,
+        budget: &mut Budget,
     ) -> Result<Trajectory, Missed> {
         let mut missed = Missed::Near;
         let found = self.then(splice, leave, self.quality, |section, followed, back| {
@@ -55,21 +56,22 @@ impl Continuation<'_> {
                 *work = None;
             }
             let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), self.quality));
-            section
-                .improve(control, work)
-                .map_err(|why| missed = why)
-                .ok()
-                .or_else(|| self.joined(&section, followed, back, work))
+            budget.spend(self.quality, work, |work| {
+                section
+                    .improve(control, work)
+                    .map_err(|why| missed = why)
+                    .ok()
+                    .or_else(|| self.joined(&section, followed, back, work))
+            })
         });
         found.ok_or(missed)
     }
 
-    /// The same on evenly rounded corners, from `earliest` on, from a warm start within all limits. `brakes`: the instant at which the running
+    /// The same on evenly rounded corners, from `first` on, from a warm start within all limits. `brakes`: the instant at which the running
     /// motion begins to slow down for its end.
-    pub(crate) fn plan_gently(&self, earliest: f64, brakes: f64) -> Option<Trajectory> {
+    pub(crate) fn plan_gently(&self, first: f64, brakes: f64, budget: &mut Budget) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
         let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
-        let first = earliest.max(brakes - TUNING.gentle.before_s);
         let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
             let speed_curve = SpeedCurve::new(&section);
@@ -91,17 +93,21 @@ impl Continuation<'_> {
             .into_iter()
             .take(TUNING.gentle.attempts)
             .find_map(|(_, leave, shares)| {
+                if budget.is_spent() {
+                    return None;
+                }
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
                     let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
+                    budget.begin(control.points.len());
                     let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
-                    section.hasten(control, &mut work)
+                    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
                 })
             })
     }
 
     /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
-    pub(crate) fn plan_gently_and_smooth(&self, earliest: f64, brakes: f64) -> Option<Trajectory> {
+    pub(crate) fn plan_gently_and_smooth(&self, earliest: f64, brakes: f64, budget: &mut Budget) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
         let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
         let first = earliest.max(brakes - TUNING.gentle.before_s);
@@ -113,11 +119,15 @@ impl Continuation<'_> {
             .into_iter()
             .take(TUNING.gentle.smooth_attempts)
             .find_map(|(_, leave)| {
+                if budget.is_spent() {
+                    return None;
+                }
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::Smooth, |section, followed, _| {
                     let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares)?;
+                    budget.begin(control.points.len());
                     let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
-                    section.hasten(control, &mut work)
+                    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
                 })
             })
     }

@@ -11,6 +11,7 @@ mod splice;
 mod warm_start;
 mod warm_start_joined;
 
+use std::cell::Cell;
 use std::ops::Range;
 
 use crate::extend::continuation::{Continuation, cut, leave_at};
@@ -19,6 +20,7 @@ use crate::extend::splice::{brakes_from, braking_time, splice};
 use crate::plan::{between_stops, is_dense};
 use crate::section::Missed;
 use crate::solve::stages::Quality;
+use crate::solve::work::Budget;
 use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
@@ -72,7 +74,10 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     // The section of the end begins after the last stop.
     let Range { start: begin, end } = between_stops(moves, old);
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
-    let plan = |search: Search<'_>, share: f64| {
+    let left = running.duration() - now;
+    // The estimated time of the searches before.
+    let spent = Cell::new(0.0);
+    let plan = |search: Search<'_>, share: f64, [patience, least]: [f64; 2]| {
         let most = moves.len() - old;
         let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));
         let continuation = Continuation {
@@ -85,44 +90,69 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
             end: end.min(old + more),
             quality: search.quality(),
         };
-        extended(&continuation, old, earliest, search)
+        let seconds = (patience * left.min(TUNING.patience.most_rest_s)).max(least);
+        let mut budget = Budget::of(seconds);
+        // What is found from a warm start outside of the limits is found soon, but the optimisation of a gentle plan takes its time.
+        let takes = match search {
+            Search::Attempts(..) => 0.0,
+            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth => TUNING.patience.gentle_takes * seconds,
+        };
+        let earliest = earliest + spent.get() + takes;
+        let found = extended(&continuation, old, earliest, search, &mut budget);
+        spent.set(spent.get() + budget.seconds());
+        found
     };
-    let left = running.duration() - now;
     let attempts = if left < TUNING.extend.short_s {
         &TUNING.attempts.short
     } else {
         &TUNING.attempts.usual
     };
-    let all = |quality| plan(Search::Attempts(quality, attempts), 1.0);
-    let few = |quality| plan(Search::Attempts(quality, attempts), TUNING.extend.less_share);
-    let gently = || plan(Search::Gentle, TUNING.gentle.ahead_share);
+    let patience = &TUNING.patience;
+    let smooth = |share| plan(Search::Attempts(Quality::Smooth, attempts), share, patience.smooth);
+    let gently = |search, patience| plan(search, TUNING.gentle.ahead_share, patience);
     let arcs = moves[begin..end]
         .iter()
         .filter(|one| matches!(one.path, Path::Arc(_)))
         .count();
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
-        // Near its end, a gentle plan would leave even less time for the next extension.
-        let is_little = left < TUNING.extend.least_s;
-        all(Quality::Smooth)
-            .or_else(|| plan(Search::GentleAndSmooth, 1.0))
-            .or_else(|| is_little.then(|| all(Quality::Full)).flatten())
-            .or_else(gently)
+        smooth(1.0)
+            .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
+            .or_else(|| {
+                let search = Search::Attempts(Quality::Smooth, &TUNING.attempts.sooner);
+                plan(search, 1.0, patience.smooth_sooner)
+            })
+            .or_else(|| gently(Search::Gentle, patience.gentle))
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
+        let first = &TUNING.attempts.usual[..1];
         let together = (arcs == 0 && is_ample)
-            .then(|| plan(Search::Attempts(Quality::Full, &TUNING.attempts.usual[..1]), 1.0))
+            .then(|| plan(Search::Attempts(Quality::Full, first), 1.0, patience.together))
             .flatten();
-        together.or_else(gently).or_else(|| few(Quality::Smooth))
+        together
+            .or_else(|| gently(Search::Gentle, patience.gentle_alone))
+            .or_else(|| smooth(TUNING.extend.less_share))
     };
-    let extended = extended.or_else(|| few(Quality::Full))?;
+    // A smooth curve cannot be left for evenly rounded corners in its course.
+    let extended = extended
+        .or_else(|| gently(Search::GentleSooner, patience.gentle_sooner))
+        .or_else(|| {
+            let full = Search::Attempts(Quality::Full, attempts);
+            plan(full, TUNING.extend.less_share, patience.last)
+        })?;
     let count = extended.moves();
     Some(extended.planned_for(&moves[..count], limits))
 }
 
 /// `old`: the number of moves of the running trajectory.
-fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: Search<'_>) -> Option<Trajectory> {
+fn extended(
+    continuation: &Continuation<'_>,
+    old: usize,
+    earliest: f64,
+    search: Search<'_>,
+    budget: &mut Budget,
+) -> Option<Trajectory> {
     let &Continuation {
         running,
         passed,
@@ -150,24 +180,27 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: 
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     let soonest = earliest.max(stop.map_or(0.0, after_stop));
     let attempts = match search {
-        Search::Gentle => return continuation.plan_gently(soonest, brakes_from(running)),
-        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(soonest, brakes_from(running)),
+        Search::Gentle => {
+            let brakes = brakes_from(running);
+            return continuation.plan_gently(soonest.max(brakes - TUNING.gentle.before_s), brakes, budget);
+        }
+        Search::GentleSooner => return continuation.plan_gently(soonest, brakes_from(running), budget),
+        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(soonest, brakes_from(running), budget),
         Search::Attempts(_, attempts) => attempts,
     };
     // A search that fails from one instant of the running motion may succeed from a later one.
-    let (mut work, mut tried, mut soonest) = (None, Vec::new(), 0.0);
+    let (mut work, mut tried, mut soonest_later) = (None, Vec::new(), f64::NEG_INFINITY);
     attempts.iter().find_map(|attempt| {
-        if attempt.later_s < soonest {
+        let from = first + attempt.later_s;
+        if attempt.later_s < soonest_later || from < soonest || budget.is_spent() {
             return None;
         }
-        let splice = splice(
+        let splice = splice(running, passed + begin, &moves[begin..old], limits, from)?;
+        let leave = leave_at(
             running,
-            passed + begin,
-            &moves[begin..old],
-            limits,
-            first + attempt.later_s,
-        )?;
-        let leave = leave_at(running, splice, running.duration() - attempt.brakings * braking);
+            splice,
+            running.duration() - attempt.brakings * braking + attempt.later_s.min(0.0),
+        );
         let slow_down = match quality {
             Quality::Smooth => attempt.slow_down,
             Quality::Full | Quality::TimingOnly => SlowDown::Whole,
@@ -177,11 +210,11 @@ fn extended(continuation: &Continuation<'_>, old: usize, earliest: f64, search: 
             return None;
         }
         tried.push(same);
-        let planned = continuation.plan(splice, leave, slow_down, attempt.holds, &mut work);
+        let planned = continuation.plan(splice, leave, slow_down, attempt.holds, &mut work, budget);
         planned
             .map_err(|missed| {
                 if missed == Missed::Far {
-                    soonest = attempt.later_s + TUNING.extend.slower_s;
+                    soonest_later = attempt.later_s + TUNING.extend.slower_s;
                 }
             })
             .ok()

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::extend::continuation::{Continuation, leave_at};
 use crate::extend::splice::splice;
 use crate::plan::{PlanningTime, between_stops, qualities};
+use crate::solve::work::Budget;
 use crate::tuning::{SlowDown, TUNING};
 use crate::{ExtensionRequest, Trajectory};
 
@@ -39,7 +40,7 @@ pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     if last > earliest + TUNING.extend.replan_most_ahead_s {
         return None;
     }
-    let mut work = None;
+    let (mut work, mut budget) = (None, Budget::unlimited());
     (0..TUNING.extend.attempts).find_map(|attempt| {
         let first = earliest + TUNING.extend.later_s * f64::from(attempt);
         let here = on(first).min(moves.len() - 1);
@@ -57,7 +58,9 @@ pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
                 quality,
             };
             let leave = leave_at(&running, splice, splice + TUNING.extend.replan_followed_s);
-            continuation.plan(splice, leave, SlowDown::Whole, false, &mut work).ok()
+            continuation
+                .plan(splice, leave, SlowDown::Whole, false, &mut work, &mut budget)
+                .ok()
         })?;
         Some(whole.planned_for(moves, limits))
     })

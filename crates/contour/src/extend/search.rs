@@ -10,6 +10,8 @@ pub(crate) enum Search<'a> {
     Attempts(Quality, &'a [Attempt]),
     /// Within all limits from the warm start on, along evenly rounded corners.
     Gentle,
+    /// As `Gentle`, also from instants long before the running motion brakes for its end.
+    GentleSooner,
     /// Within all limits from the warm start on, along the smooth curve of dense chords.
     GentleAndSmooth,
 }
@@ -18,7 +20,7 @@ impl Search<'_> {
     pub(crate) fn quality(self) -> Quality {
         match self {
             Search::Attempts(quality, _) => quality,
-            Search::Gentle => Quality::TimingOnly,
+            Search::Gentle | Search::GentleSooner => Quality::TimingOnly,
             Search::GentleAndSmooth => Quality::Smooth,
         }
     }

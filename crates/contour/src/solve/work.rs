@@ -7,6 +7,64 @@ use crate::tuning::TUNING;
 #[derive(Debug)]
 pub(crate) struct Work {
     left: u64,
+    visited: u64,
+}
+
+/// The work of a whole search, in visits as well.
+#[derive(Debug)]
+pub(crate) struct Budget {
+    left: u64,
+    spent: u64,
+}
+
+impl Budget {
+    /// About as much as a processor does in these seconds.
+    pub(crate) fn of(seconds: f64) -> Budget {
+        Budget {
+            left: (seconds * TUNING.work.visits_per_s) as u64,
+            spent: 0,
+        }
+    }
+
+    /// Only each attempt has a limit.
+    pub(crate) fn unlimited() -> Budget {
+        Budget {
+            left: u64::MAX,
+            spent: 0,
+        }
+    }
+
+    pub(crate) fn is_spent(&self) -> bool {
+        self.left == 0
+    }
+
+    /// The time of what was spent, about, in seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.spent as f64 / TUNING.work.visits_per_s
+    }
+
+    /// Counts an attempt that begins with this number of nodes, without the steps of its optimisation.
+    pub(crate) fn begin(&mut self, nodes: usize) {
+        let visits = TUNING.work.attempt_each * nodes as u64;
+        self.left = self.left.saturating_sub(visits);
+        self.spent += visits;
+    }
+
+    /// Does work of a quality within the budget.
+    pub(crate) fn spend<R>(&mut self, quality: Quality, work: &mut Work, with: impl FnOnce(&mut Work) -> R) -> R {
+        let each = match quality {
+            Quality::Full => TUNING.work.together_each,
+            Quality::Smooth | Quality::TimingOnly => 1,
+        };
+        let (left, before) = (work.left, work.visited);
+        work.left = left.min(self.left / each);
+        let done = with(work);
+        work.left = left.saturating_sub(work.visited - before);
+        let visited = each * (work.visited - before);
+        self.left = self.left.saturating_sub(visited);
+        self.spent += visited;
+        done
+    }
 }
 
 impl Work {
@@ -14,6 +72,7 @@ impl Work {
     pub(crate) fn from_rest(nodes: usize) -> Work {
         Work {
             left: TUNING.work.from_rest + TUNING.work.from_rest_each * nodes as u64,
+            visited: 0,
         }
     }
 
@@ -25,18 +84,25 @@ impl Work {
         };
         Work {
             left: some + TUNING.work.to_continue_each * nodes as u64,
+            visited: 0,
         }
     }
 
     /// For a number of visits.
     #[cfg(test)]
     pub(crate) fn of(left: u64) -> Work {
-        Work { left }
+        Work { left, visited: 0 }
     }
 
     /// Counts one visit of each of this number of nodes.
     pub(crate) fn visit(&mut self, nodes: usize) {
         self.left = self.left.saturating_sub(nodes as u64);
+        self.visited += nodes as u64;
+    }
+
+    /// Leaves enough work to make a slow motion of this number of nodes fast, about.
+    pub(crate) fn allow_hastening(&mut self, nodes: usize) {
+        self.left = self.left.max(TUNING.work.hastening_each * nodes as u64);
     }
 
     pub(crate) fn is_done(&self) -> bool {

@@ -12,7 +12,8 @@ use super::pace::Pace;
 use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
     AMPLE_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S, LEAST_PACE_SHARE, LONG_MOVE_S,
-    LONGEST_GATHER_S, MOST_PLANNING_S, NEAR_S, PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, UNCHANGED_S,
+    LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE,
+    RETRY_SHARE, SETTLED_S, UNCHANGED_S,
 };
 use crate::{Clock, Ending, Move};
 
@@ -141,6 +142,11 @@ impl<T: Copy> ContourQueue<T> {
         self.grown.is_some_and(|grown| grown.elapsed(time) < GATHER_S)
     }
 
+    /// No move has arrived for so long that the next ones are not waited for.
+    fn is_settled(&self, time: &Clock) -> bool {
+        self.grown.is_none_or(|grown| grown.elapsed(time) >= SETTLED_S)
+    }
+
     /// The part of the trajectory to plan anew, if its moves have changed speeds or rates and its pace is within them; or the trajectory to
     /// extend, if many moves wait, or if no move has arrived for a moment and its end is near.
     fn extension(&self, run: &RunningTrajectory, clock: &Clock, time: &Clock) -> Option<Extension> {
@@ -155,7 +161,7 @@ impl<T: Copy> ContourQueue<T> {
             trajectory: Arc::clone(&run.trajectory),
             passed: run.passed,
             now,
-            earliest: now + run.planning_s * anew.unwrap_or(1.0),
+            earliest: now + run.planning_s.min(MOST_PLANNING_SHARE * left).max(PLANNING_S) * anew.unwrap_or(1.0),
             anew,
         };
         let pace = state.velocity;
@@ -169,7 +175,7 @@ impl<T: Copy> ContourQueue<T> {
         // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
         let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
         let many = waiting * few >= planned;
-        let near = left <= NEAR_S && !self.is_growing(time);
+        let near = (left <= NEAR_S || self.is_settled(time)) && !self.is_growing(time);
         (last.leads_into(next) && (many || near)).then(|| ask(None))
     }
 

@@ -21,6 +21,12 @@ pub(super) const FEW_MOVES_LATER: usize = 2;
 pub(super) const AMPLE_S: f64 = 0.5;
 /// A trajectory with at most this rest is extended in any case, seconds. More extends for few moves, less leaves no time to plan. Not measured.
 pub(super) const NEAR_S: f64 = 0.5;
+/// Seconds without a new move after which a trajectory is extended with however few moves wait. More leaves less time for an extension that is hard to
+/// find, less extends for each move of a slow sender.
+pub(super) const SETTLED_S: f64 = 0.2;
+/// The largest share of a trajectory's rest that the planning of its extension is expected to take: the searches of an extension end by themselves in
+/// time. Without it, no splice was possible after one plan that took long.
+pub(super) const MOST_PLANNING_SHARE: f64 = 0.25;
 /// Seconds for planning the first extension, and the least for later ones, which get the planning time of the last one, times `PLANNING_MARGIN`. More
 /// splices later, so that less of the trajectory can change; less makes plans late. Not measured; an extension that was found took 6 to 10 ms
 /// on dense chords (`contour/NOTES.md`, *Extensions of dense chords*).
