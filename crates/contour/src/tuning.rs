@@ -334,7 +334,7 @@ constants! {
     Patience {
         smooth: [f64; 2] = [0.2, 0.1],
         gentle_and_smooth: [f64; 2] = [0.08, 0.02],
-        together: [f64; 2] = [0.4, 0.01],
+        together: [f64; 2] = [1.0, 0.1],
         smooth_sooner: [f64; 2] = [0.12, 0.01],
         gentle: [f64; 2] = [0.12, 0.05],
         gentle_alone: [f64; 2] = [0.3, 0.05],
