@@ -9,7 +9,7 @@ use crate::plan::{PlanningTime, plan_with};
 use crate::section::{Missed, Section};
 use crate::solve::stages::Quality;
 use crate::solve::work::{Budget, Work};
-use crate::timing::control_points::GIVEN;
+use crate::timing::control_points::{ControlPoints, GIVEN};
 use crate::trajectory::{AxesState, Knot};
 use crate::tuning::{SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Point, Trajectory};
@@ -99,9 +99,7 @@ impl Continuation<'_> {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
                     let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
-                    budget.begin(control.points.len());
-                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
-                    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
+                    hastened(&section, control, budget)
                 })
             })
     }
@@ -125,9 +123,7 @@ impl Continuation<'_> {
                 let splice = first.max(before(running, leave));
                 self.then(splice, leave, Quality::Smooth, |section, followed, _| {
                     let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares)?;
-                    budget.begin(control.points.len());
-                    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
-                    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
+                    hastened(&section, control, budget)
                 })
             })
     }
@@ -226,6 +222,14 @@ impl Continuation<'_> {
         let fresh = Section::new(&moves[from..end], limits, SectionStart::Rest, Quality::Full).solve_with(work)?;
         section.repair(warm_start_joined(section, followed, limits, &fresh, before)?, work)
     }
+}
+
+/// A warm start within all limits, or nearly, made faster within a budget.
+fn hastened(section: &Section<'_>, control: ControlPoints, budget: &mut Budget) -> Option<Trajectory> {
+    let nodes = control.points.len();
+    budget.begin(nodes);
+    let mut work = Work::to_continue(nodes, Quality::Smooth);
+    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
 }
 
 /// The instant at which a warm start leaves the running trajectory, which it follows until about `leave`: at the last knot before, or at the

@@ -73,10 +73,10 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     }
     // The section of the end begins after the last stop.
     let Range { start: begin, end } = between_stops(moves, old);
-    // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let left = running.duration() - now;
     // The estimated time of the searches before.
     let spent = Cell::new(0.0);
+    // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let plan = |search: Search<'_>, share: f64, [patience, least]: [f64; 2]| {
         let most = moves.len() - old;
         let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));

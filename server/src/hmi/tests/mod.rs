@@ -108,10 +108,8 @@ const ONCE: [&str; 3] = ["event", "program", "session"];
 struct Viewer {
     socket: Socket,
     next: u64,
-    /// Answers that came while something else was waited for.
-    other_answers: Vec<Value>,
-    /// Pushes of [`ONCE`] that came while an answer was waited for, oldest first.
-    unread: Vec<Value>,
+    /// Answers and pushes of [`ONCE`] that came while something else was waited for, oldest first.
+    kept: Vec<Value>,
     /// The text of the newest program, which only the first push of it has.
     program_text: Option<Value>,
 }
@@ -122,8 +120,7 @@ impl Viewer {
         let mut viewer = Viewer {
             socket,
             next: 1,
-            other_answers: Vec::new(),
-            unread: Vec::new(),
+            kept: Vec::new(),
             program_text: None,
         };
         viewer.push("hello").await;
@@ -154,26 +151,24 @@ impl Viewer {
 
     /// The next push of a kind.
     async fn push(&mut self, kind: &str) -> Value {
-        if let Some(place) = self.unread.iter().position(|push| push["push"] == kind) {
-            return self.unread.remove(place);
+        self.next_where(kind, |text| text["push"] == kind).await
+    }
+
+    /// The next text, of those kept first, for which a condition holds. An answer, or a push that does not come again, is kept meanwhile.
+    async fn next_where(&mut self, what: &str, is: impl Fn(&Value) -> bool) -> Value {
+        if let Some(place) = self.kept.iter().position(&is) {
+            return self.kept.remove(place);
         }
         let deadline = Instant::now() + SOON;
         loop {
-            assert!(Instant::now() < deadline, "no push {kind}");
+            assert!(Instant::now() < deadline, "no {what}");
             let text = self.text().await.expect("it is open");
-            if text["push"] == kind {
+            if is(&text) {
                 return text;
             }
-            self.keep(text);
-        }
-    }
-
-    /// Keeps what is read later: an answer, or a push that does not come again.
-    fn keep(&mut self, text: Value) {
-        if text.get("id").is_some() {
-            self.other_answers.push(text);
-        } else if ONCE.iter().any(|kind| text["push"] == *kind) {
-            self.unread.push(text);
+            if text.get("id").is_some() || ONCE.iter().any(|kind| text["push"] == *kind) {
+                self.kept.push(text);
+            }
         }
     }
 
@@ -201,21 +196,15 @@ impl Viewer {
         }
     }
 
+    /// Answers that came while something else was waited for.
+    fn other_answers(&self) -> Vec<&Value> {
+        self.kept.iter().filter(|text| text.get("id").is_some()).collect()
+    }
+
     /// The whole answer to a request.
     async fn answer(&mut self, id: impl Into<Value>) -> Value {
         let id = id.into();
-        if let Some(place) = self.other_answers.iter().position(|answer| answer["id"] == id) {
-            return self.other_answers.swap_remove(place);
-        }
-        let deadline = Instant::now() + SOON;
-        loop {
-            assert!(Instant::now() < deadline, "no answer {id}");
-            let text = self.text().await.expect("it is open");
-            if text["id"] == id {
-                return text;
-            }
-            self.keep(text);
-        }
+        self.next_where(&format!("answer {id}"), |text| text["id"] == id).await
     }
 }
 

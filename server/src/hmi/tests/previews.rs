@@ -254,9 +254,9 @@ async fn previews_wait_for_each_other_and_nothing_waits_for_them() {
             "{refused}"
         );
         assert!(
-            viewer.other_answers.is_empty(),
+            viewer.other_answers().is_empty(),
             "before the simulations: {:?}",
-            viewer.other_answers
+            viewer.other_answers()
         );
     }
     // The preview of a viewer that goes leaves the queue.
