@@ -41,10 +41,10 @@ fn ticks(server: &Server) -> Vec<f64> {
     read_numbers(server.address(), &names.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-/// The 99th percentile of counts in buckets, µs; within its bucket by proportion.
+/// The lateness that so large a share of the counts in buckets stayed within, µs; within its bucket by proportion.
 #[must_use]
-pub fn p99(counts: &[f64]) -> f64 {
-    let wanted = counts.iter().sum::<f64>() * 0.99;
+pub fn percentile(counts: &[f64], share: f64) -> f64 {
+    let wanted = counts.iter().sum::<f64>() * share;
     let mut below = 0.0;
     for (bucket, count) in counts.iter().enumerate() {
         if below + count >= wanted {

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use arcline_system_tests::gcode::high_water;
-use arcline_system_tests::lateness::{beside, p99};
+use arcline_system_tests::lateness::{beside, percentile};
 use arcline_system_tests::load::{Load, Question, read_all};
 use arcline_system_tests::server::Server;
 
@@ -78,7 +78,7 @@ fn a_thousand_clients_read_ten_tags_each() {
         println!("{what}: p99 lateness {idle:.1} µs idle, {loaded:.1} µs under the load");
         loaded - idle
     };
-    let tick = rise("the tick", p99(&idle), p99(&loaded.ticks));
+    let tick = rise("the tick", percentile(&idle, 0.99), percentile(&loaded.ticks, 0.99));
     let bare = before.bare.and(behind.bare);
     rise(
         "a thread that only sleeps",

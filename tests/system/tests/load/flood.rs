@@ -2,7 +2,7 @@
 //! and on the page at once. A client that works is not disturbed, a new one gets in, and the tick does not notice.
 //!
 //! 1,600 connections for three seconds, unless `ARCLINE_FLOOD` says how many; only then, and with `--release`, times mean something and are held
-//! against their limits.
+//! against their limits: in five floods, each beside the same time without one.
 
 use std::net::{Ipv4Addr, SocketAddr};
 use std::process::Command;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use arcline_system_tests::lateness::{beside, p99};
+use arcline_system_tests::lateness::{beside, percentile};
 use arcline_system_tests::load::{Load, Outcome, Question, read};
 use arcline_system_tests::secured::Secured;
 use arcline_system_tests::server::Server;
@@ -22,8 +22,10 @@ use tokio::net::{TcpSocket, TcpStream};
 
 /// The greatest p99 time of an answer to the working client, µs.
 const MOST_P99: f64 = 50_000.0;
-/// The greatest rise of the tick's p99 lateness over that of an idle server, beyond the lateness of a thread that only sleeps, µs.
+/// The greatest rise of the tick's lateness over that of an idle server, beyond the rise of a thread that only sleeps, µs.
 const MOST_RISE: f64 = 20.0;
+/// The lateness is compared that these shares of the ticks stay within.
+const SHARES: [f64; 3] = [0.5, 0.9, 0.99];
 /// The number of silent connections for each one that sends a byte a second.
 const SILENT_PER_SLOW: usize = 8;
 /// Addresses that the strangers come from: 127.0.1.1 and so on.
@@ -42,39 +44,62 @@ fn silent_and_slow_strangers_disturb_no_client() {
     let server = &secured.server;
     let listeners =
         [Some(server.address()), server.tls(), server.hmi()].map(|listener| listener.expect("three listeners"));
-    let ((), idle) = beside(server, time, || std::thread::sleep(time));
-    let flood = Flood::start(&listeners, silent);
-    flood.wait_until_open();
-    let (outcome, flooded) = beside(server, time, || works(server, time));
-    // A client that connects during the flood.
-    let begun = Instant::now();
-    let newcomer = command_line::read_numbers(server.address(), &["X.ActualPosition"]);
-    let newcomer_after = begun.elapsed();
-    let opened = flood.end();
-    let begun = Instant::now();
-    let behind = works(server, Duration::from_millis(500));
-    println!(
-        "{opened} connections of strangers: {} answers, p50 {:.0} µs, p99 {:.0} µs, longest {:.0} µs; a newcomer's after {newcomer_after:?}; \
-         behind the flood the first within {:?}, p99 {:.0} µs",
-        outcome.times.len(),
-        outcome.percentile(0.5),
-        outcome.percentile(0.99),
-        outcome.percentile(1.0),
-        begun.elapsed().saturating_sub(behind.elapsed),
-        behind.percentile(0.99),
-    );
-    let [tick_idle, tick] = [&idle, &flooded].map(|seen| p99(&seen.ticks));
-    let [bare_idle, bare] = [&idle, &flooded].map(|seen| seen.bare.percentile(0.99));
-    println!(
-        "p99 lateness of the tick {tick_idle:.1} µs idle, {tick:.1} µs flooded; of a thread that only sleeps {bare_idle:.1} and {bare:.1} µs"
-    );
-    assert_eq!((outcome.errors, outcome.first_error.as_deref()), (0, None));
-    assert_eq!((behind.errors, behind.first_error), (0, None));
-    assert_eq!(newcomer.len(), 1);
-    if asked.is_some() {
-        assert!(outcome.percentile(0.99) < MOST_P99);
-        assert!(tick - tick_idle < MOST_RISE + (bare - bare_idle).max(0.0));
+    let rounds = if asked.is_some() { 5 } else { 1 };
+    let (mut rises, mut bare_rises) = (SHARES.map(|_| Vec::new()), SHARES.map(|_| Vec::new()));
+    for _ in 0..rounds {
+        let ((), idle) = beside(server, time, || std::thread::sleep(time));
+        let flood = Flood::start(&listeners, silent);
+        flood.wait_until_open();
+        let (outcome, flooded) = beside(server, time, || works(server, time));
+        // A client that connects during the flood.
+        let begun = Instant::now();
+        let newcomer = command_line::read_numbers(server.address(), &["X.ActualPosition"]);
+        let newcomer_after = begun.elapsed();
+        let opened = flood.end();
+        let begun = Instant::now();
+        let behind = works(server, Duration::from_millis(500));
+        println!(
+            "{opened} connections of strangers: {} answers, p50 {:.0} µs, p99 {:.0} µs, longest {:.0} µs; a newcomer's after {newcomer_after:?}; \
+             behind the flood the first within {:?}, p99 {:.0} µs",
+            outcome.times.len(),
+            outcome.percentile(0.5),
+            outcome.percentile(0.99),
+            outcome.percentile(1.0),
+            begun.elapsed().saturating_sub(behind.elapsed),
+            behind.percentile(0.99),
+        );
+        for (place, share) in SHARES.into_iter().enumerate() {
+            let [tick_idle, tick] = [&idle, &flooded].map(|seen| percentile(&seen.ticks, share));
+            let [bare_idle, bare] = [&idle, &flooded].map(|seen| seen.bare.percentile(share));
+            println!(
+                "p{:.0} lateness of the tick {tick_idle:.1} µs idle, {tick:.1} µs flooded; of a thread that only sleeps {bare_idle:.1} and {bare:.1} µs",
+                share * 100.0
+            );
+            rises[place].push(tick - tick_idle);
+            bare_rises[place].push(bare - bare_idle);
+        }
+        assert_eq!((outcome.errors, outcome.first_error.as_deref()), (0, None));
+        assert_eq!((behind.errors, behind.first_error), (0, None));
+        assert_eq!(newcomer.len(), 1);
+        if asked.is_some() {
+            assert!(outcome.percentile(0.99) < MOST_P99);
+        }
     }
+    for (share, (rises, bare_rises)) in SHARES.into_iter().zip(rises.into_iter().zip(bare_rises)) {
+        let [rise, bare_rise] = [rises, bare_rises].map(median);
+        println!(
+            "median rise of the tick's p{:.0} lateness {rise:.1} µs, of that of a thread that only sleeps {bare_rise:.1} µs",
+            share * 100.0
+        );
+        if asked.is_some() {
+            assert!(rise < MOST_RISE + bare_rise.max(0.0));
+        }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }
 
 /// Every descriptor of the server is taken: the client that works goes on, and a new one gets in as soon as there are some again.
