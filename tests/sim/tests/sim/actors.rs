@@ -1,6 +1,8 @@
 //! The clients of a scenario. Each has a random generator of its own, so that a scenario can leave another one out without a change of its actions.
 
 mod faults;
+mod implicit;
+mod listener;
 mod motion;
 mod onlooker;
 mod owner;
@@ -59,6 +61,7 @@ pub(crate) const ACTORS: &[Actor] = &[
     actor!("jogger", motion::jogger),
     actor!("stopper", motion::stopper),
     actor!("owner of outputs", owner::owner),
+    actor!("listener", listener::listener),
     actor!("onlooker", onlooker::onlooker),
     actor!("axis faults", faults::faults),
     actor!("page jogger", page::page_jogger),
@@ -137,6 +140,31 @@ impl Drop for Alive {
     }
 }
 
+/// Holds that answers come in time (N1).
+pub(crate) struct InTime {
+    name: &'static str,
+    record: Record,
+    quiet_from: u64,
+    weather: Weather,
+}
+
+impl InTime {
+    pub(crate) fn now(&self) -> u64 {
+        self.record.now()
+    }
+
+    /// Judges an answer to a request of a time, ms, with the bytes of both.
+    pub(crate) fn judge(&self, asked: u64, bytes: usize) {
+        let took = self.now() - asked;
+        // Two ways of the network for each of two frames, the pieces of both, and a second.
+        let pieces = bytes.checked_div(self.weather.piece).unwrap_or_default() as u64;
+        if asked >= self.quiet_from && took > 1000 + 4 * (self.weather.delay + 1) + pieces {
+            let why = format!("{}: an answer took {took} ms", self.name);
+            self.record.violated("N1", &why);
+        }
+    }
+}
+
 /// The environment of an actor.
 pub(crate) struct Environment {
     pub(crate) name: &'static str,
@@ -194,7 +222,7 @@ impl Environment {
 
     /// A client with a session.
     pub(crate) async fn client(&mut self) -> Answer<Client> {
-        let mut client = Client::register(self.connect()).await?;
+        let mut client = Client::register(self.connect(), self.in_time()).await?;
         client.alive.push(self.alive(client.session()));
         Ok(client)
     }
@@ -248,13 +276,13 @@ impl Environment {
         }
     }
 
-    /// Holds that an answer came in time.
-    pub(crate) fn in_time(&self, asked: u64) {
-        let took = self.now() - asked;
-        // Two ways of the network, and a second.
-        if asked >= self.common.quiet_from && took > 1000 + 4 * (self.weather.delay + 1) {
-            let why = format!("{}: an answer took {took} ms", self.name);
-            self.common.record.violated("N1", &why);
+    /// The check of its answers.
+    pub(crate) fn in_time(&self) -> InTime {
+        InTime {
+            name: self.name,
+            record: self.common.record.clone(),
+            quiet_from: self.common.quiet_from,
+            weather: self.weather,
         }
     }
 

@@ -19,7 +19,7 @@ use arcline_tag::{Elementary, TagPath, Value};
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
-use crate::actors::Alive;
+use crate::actors::{Alive, InTime};
 use crate::network::End;
 
 pub(crate) const DINT: WireType = WireType::Atomic(0xC4);
@@ -32,6 +32,7 @@ pub(crate) struct Client {
     buf: BytesMut,
     session: SessionHandle,
     context: u64,
+    in_time: InTime,
     /// Its session, and the connections that it opened.
     pub(crate) alive: Vec<Alive>,
 }
@@ -80,9 +81,10 @@ pub(crate) const PATIENCE_MS: u64 = 14_000;
 pub(crate) type Answer<T> = Result<T, NoAnswer>;
 
 impl Client {
-    /// Registers a session.
-    pub(crate) async fn register(end: End) -> Answer<Client> {
+    /// Registers a session. All of its answers come in time.
+    pub(crate) async fn register(end: End, in_time: InTime) -> Answer<Client> {
         let mut client = Client {
+            in_time,
             end,
             buf: BytesMut::new(),
             session: SessionHandle(0),
@@ -138,9 +140,11 @@ impl Client {
     }
 
     async fn exchange(&mut self, command: Command, data: Bytes) -> Answer<EncapFrame> {
+        let asked = self.in_time.now();
         let frame = self.request(command, data);
         self.send(&frame.to_bytes()).await?;
         let reply = self.frame().await?;
+        self.in_time.judge(asked, frame.data.len() + reply.data.len());
         if (reply.header.command, reply.header.context) != (command, frame.header.context) {
             return Err(NoAnswer::Wrong("it belongs to another request".to_owned()));
         }
@@ -233,8 +237,22 @@ impl Client {
         self.forward_close(connected.key).await
     }
 
+    /// Asks to close a connection whose serial number none of this client's connections has; whether it was refused.
+    pub(crate) async fn is_close_refused(&mut self, connected: &Connected, serial: u16) -> Answer<bool> {
+        let key = ConnectionKey {
+            serial,
+            ..connected.key
+        };
+        let reply = self.close_with(key).await?;
+        Ok(!reply.status.is_success())
+    }
+
     /// Closes the connection of a key.
     pub(crate) async fn forward_close(&mut self, key: ConnectionKey) -> Answer<()> {
+        self.close_with(key).await.map(drop)
+    }
+
+    async fn close_with(&mut self, key: ConnectionKey) -> Answer<Reply> {
         let close = ForwardClose {
             time: TickTime::DEFAULT,
             key,
@@ -243,11 +261,15 @@ impl Client {
         let data = close.to_bytes().map_err(|error| NoAnswer::Wrong(error.to_string()))?;
         self.ask(&Request::new(service::FORWARD_CLOSE, Epath::object(6, 1), data))
             .await
-            .map(drop)
     }
 
     pub(crate) async fn ask_connected(&mut self, connected: &mut Connected, request: &Request) -> Answer<Reply> {
         connected.sequence = connected.sequence.wrapping_add(1);
+        self.ask_with_last_count(connected, request).await
+    }
+
+    /// As [`Client::ask_connected`], with the sequence count of the message before.
+    pub(crate) async fn ask_with_last_count(&mut self, connected: &Connected, request: &Request) -> Answer<Reply> {
         let message = request.to_bytes().map_err(|error| NoAnswer::Wrong(error.to_string()))?;
         let packet = Packet::connected(connected.id, connected.sequence, &message);
         let frame = self.exchange(Command::SEND_UNIT_DATA, packet.to_bytes()).await?;

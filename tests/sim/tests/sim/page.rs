@@ -8,12 +8,14 @@ use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::{WebSocketStream, client_async};
 
+use crate::actors::InTime;
 use crate::client::{Answer, NoAnswer, PATIENCE_MS};
 use crate::network::End;
 
 /// A page that is open.
 pub(crate) struct Page {
     socket: WebSocketStream<End>,
+    check: InTime,
     next: u64,
     /// The program that the page shows.
     program: Option<Program>,
@@ -35,7 +37,7 @@ impl Program {
 
 impl Page {
     /// Opens the page on a connection.
-    pub(crate) async fn open(end: End) -> Answer<Page> {
+    pub(crate) async fn open(end: End, check: InTime) -> Answer<Page> {
         let mut request = format!("ws://{HOST}/ws")
             .into_client_request()
             .map_err(|error| NoAnswer::Wrong(error.to_string()))?;
@@ -52,6 +54,7 @@ impl Page {
         .await?;
         let mut page = Page {
             socket,
+            check,
             next: 0,
             program: None,
         };
@@ -64,8 +67,9 @@ impl Page {
 
     /// Sends a request and waits for its answer: the answer's content, or the sentence of the refusal.
     pub(crate) async fn ask(&mut self, request: Value) -> Answer<Result<Value, String>> {
+        let asked = self.check.now();
         let id = self.send(request).await?;
-        in_time(async {
+        let answer = in_time(async {
             loop {
                 let mut text = self.text().await?;
                 if text.get("push").is_some() {
@@ -80,7 +84,9 @@ impl Page {
                 });
             }
         })
-        .await
+        .await?;
+        self.check.judge(asked, 0);
+        Ok(answer)
     }
 
     /// Sends a request and does not wait for its answer. Its number.

@@ -122,11 +122,9 @@ async fn step(env: &mut Environment, client: &mut Client) -> Answer<()> {
         write("StepA.Speed", REAL, 1, &100_f32.to_le_bytes()),
     ];
     client.ask_all(&operands).await?;
-    let sent = env.now();
     env.asks(Kind::Edge);
     let reply = client.ask(&write("StepA.EnableIn", BOOL, 1, &[1])).await?;
     env.common.record.saw(env.name, &reply.to_bytes());
-    env.in_time(sent);
     if !reply.status.is_success() {
         env.note(&format!("EnableIn was refused: {}", reply.status));
         env.sometimes("a command finds no room");

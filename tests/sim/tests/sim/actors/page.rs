@@ -23,7 +23,7 @@ pub(crate) const PROGRAM_TAG: &str = "PageRun";
 impl Environment {
     /// A page of its own connection.
     async fn page(&mut self) -> Answer<Page> {
-        Page::open(self.browse()).await
+        Page::open(self.browse(), self.in_time()).await
     }
 }
 
@@ -176,7 +176,6 @@ async fn run_one(env: &mut Environment, page: &mut Page, value: i32) -> Answer<(
         }
         return Ok(());
     }
-    env.in_time(sent);
     env.sometimes("a program of the page");
     // Its end is shown, however it ends.
     let shown = loop {
@@ -229,9 +228,8 @@ async fn look(env: &mut Environment, mut page: Page) -> Answer<()> {
 
 /// Reads a tag whose writes are in the history.
 async fn read(env: &Environment, page: &mut Page, tag: &'static str) -> Answer<()> {
-    let (asked, sent) = (env.common.history.clock(), env.now());
+    let asked = env.common.history.clock();
     let read = page.ask(json!({"do": "read", "names": [tag]})).await?;
-    env.in_time(sent);
     match read.ok().and_then(|read| read["values"][tag].as_i64()) {
         Some(value) => {
             env.sometimes("the page reads a tag");

@@ -85,7 +85,6 @@ async fn write_one(env: &mut Environment, client: &mut Client, next: &mut i32) -
     env.common.history.asks(tag, value);
     env.asks(Kind::Write(tag));
     let reply = client.ask(&write(tag, DINT, 1, &value.to_le_bytes())).await?;
-    env.in_time(asked);
     let answer = written(env, asked, &reply);
     if answer == WriteAnswer::Refused {
         let why = format!("{}: a write of {tag} was refused: {}", env.name, reply.status);
@@ -111,7 +110,6 @@ async fn write_pair(env: &mut Environment, client: &mut Client, next: &mut i32) 
     }
     let asked = env.now();
     let replies = client.ask_all(&requests).await?;
-    env.in_time(asked);
     let Some(replies) = replies else {
         env.common.record.violated("N1", "a packet of writes was refused");
         return Ok(());
@@ -153,9 +151,8 @@ async fn write_refused(env: &mut Environment, client: &mut Client, next: &mut i3
 
 async fn read_one(env: &mut Environment, client: &mut Client) -> Answer<()> {
     let tag = *env.random.one_of(&TAGS);
-    let (asked, sent) = (env.common.history.clock(), env.now());
+    let asked = env.common.history.clock();
     let reply = client.ask(&read(tag, 1)).await?;
-    env.in_time(sent);
     took_value(env, tag, &reply, asked);
     Ok(())
 }
@@ -222,7 +219,6 @@ async fn read_connected(env: &mut Environment, client: &mut Client, serial: u16)
         if env.is_over() {
             break;
         }
-        let sent = env.now();
         if env.chance(5) {
             read_clock(env, client, &mut connected).await?;
         } else if env.chance(70) {
@@ -246,7 +242,6 @@ async fn read_connected(env: &mut Environment, client: &mut Client, serial: u16)
             }
             env.common.record.saw(env.name, &reply.to_bytes());
         }
-        env.in_time(sent);
         env.pause(40).await;
     }
     if env.chance(50) {
@@ -307,6 +302,39 @@ pub(crate) async fn polling(mut env: Environment) {
     }
 }
 
+/// Repeats a sequence count, opens a connection a second time, or closes one that is not open: nothing is executed (L4).
+async fn be_wrong(
+    env: &mut Environment,
+    client: &mut Client,
+    connected: &Connected,
+    serial: u16,
+    last: &Reply,
+) -> Answer<()> {
+    let asked = env.now();
+    let (what, is_refused) = match env.random.below(3) {
+        // The value is no writer's: W1 is broken if it is written.
+        0 => {
+            let request = write("D0", DINT, 1, &667_i32.to_le_bytes());
+            let again = client.ask_with_last_count(connected, &request).await?;
+            ("a repeated sequence count", again.to_bytes() == last.to_bytes())
+        }
+        1 => {
+            let second = client.open(serial, 0).await?;
+            ("a second connection of one serial number", second.is_none())
+        }
+        _ => {
+            let is_refused = client.is_close_refused(connected, !serial).await?;
+            ("an end of no connection", is_refused)
+        }
+    };
+    env.sometimes(what);
+    // Behind a partition the connection itself has timed out.
+    if !is_refused && env.now() < asked + 1000 {
+        env.common.record.violated("L4", &format!("{what} was executed"));
+    }
+    Ok(())
+}
+
 async fn fall_silent(env: &mut Environment, client: &mut Client, serial: u16) -> Answer<()> {
     let Some(mut connected) = client.open(serial, env.first_count()).await? else {
         return Ok(());
@@ -315,6 +343,9 @@ async fn fall_silent(env: &mut Environment, client: &mut Client, serial: u16) ->
     for _ in 0..env.random.below(10) {
         let reply = client.ask_connected(&mut connected, &read("D0", 1)).await?;
         env.common.record.saw(env.name, &reply.to_bytes());
+        if env.chance(20) {
+            be_wrong(env, client, &connected, serial, &reply).await?;
+        }
         env.pause(20).await;
     }
     // Its time-out is 2 s.
