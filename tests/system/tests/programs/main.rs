@@ -4,6 +4,7 @@ mod batches;
 mod cli;
 mod client_examples;
 mod clocks;
+mod commands;
 mod controller;
 mod doctor;
 mod guide;

@@ -146,7 +146,7 @@ impl World<'_> {
     pub(super) fn calm(&mut self) {
         self.failing.store(0, Ordering::Relaxed);
         self.sync_takes = 2;
-        self.late_until = 0;
+        self.late_until = self.late_until.min(self.now);
         self.planner_until = 0;
         self.stalled_until = self.stalled_until.min(self.now);
         self.common.network.hold(0);
