@@ -28,7 +28,7 @@ pub fn beside<T>(server: &Server, time: Duration, work: impl FnOnce() -> T) -> (
     let done = work();
     let to = ticks(server);
     let seen = Seen {
-        ticks: from.iter().zip(&to).map(|(from, to)| to - from).collect(),
+        ticks: between(&from, &to),
         bare: bare.join().expect("it does not panic"),
     };
     (done, seen)
@@ -65,7 +65,7 @@ pub fn each_second<T>(server: &Server, seconds: u32, work: impl FnOnce() -> T) -
             let bare = Bare::beside(Duration::from_secs(1), Duration::from_millis(1));
             let bare = bare.join().expect("it does not panic");
             let to = counts().await;
-            let ticks: Vec<f64> = from.iter().zip(&to).map(|(from, to)| to - from).collect();
+            let ticks = between(&from, &to);
             measured.push(Second {
                 tick: SHARES.map(|share| percentile(&ticks, share)),
                 bare: SHARES.map(|share| bare.percentile(share)),
@@ -81,6 +81,11 @@ pub fn each_second<T>(server: &Server, seconds: u32, work: impl FnOnce() -> T) -
         let done = work();
         (done, measuring.join().expect("it does not panic"))
     })
+}
+
+/// The number of ticks in each bucket between two instants.
+fn between(from: &[f64], to: &[f64]) -> Vec<f64> {
+    from.iter().zip(to).map(|(from, to)| to - from).collect()
 }
 
 /// The number of ticks in each bucket of lateness so far.

@@ -227,6 +227,19 @@ impl Environment {
         Ok(client)
     }
 
+    /// Does something in a session of its own, and leaves in order; an end that comes before is judged.
+    pub(crate) async fn session(&mut self, act: impl AsyncFnOnce(&mut Environment, &mut Client) -> Answer<()>) {
+        let asked = self.now();
+        let acted = match self.client().await {
+            Ok(mut client) => act(self, &mut client).await.map(|()| client),
+            Err(error) => Err(error),
+        };
+        match acted {
+            Ok(client) => client.leave().await,
+            Err(error) => self.judge(asked, &error),
+        }
+    }
+
     /// Records a handle or id of the server: it is not 0, and no other session has it (L4).
     pub(crate) fn alive(&self, id: u32) -> Alive {
         let is_new = lock(&self.common.alive).insert(id);

@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use arcline_system_tests::bare::median;
 use arcline_system_tests::lateness::{SHARES, Second, each_second};
 use arcline_system_tests::load::{Load, Outcome, Question, read};
 use arcline_system_tests::secured::Secured;
@@ -94,11 +95,6 @@ fn silent_and_slow_strangers_disturb_no_client() {
             assert!(rise < MOST_RISE, "a rise by {rise} µs");
         }
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// Every descriptor of the server is taken: the client that works goes on, and a new one gets in as soon as there are some again.

@@ -12,14 +12,8 @@ pub(crate) async fn faults(mut env: Environment) {
     // The cause that the server may still have, by axis.
     let mut there = None;
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => match inject(&mut env, &mut client, &mut there).await {
-                Err(error) => env.judge(asked, &error),
-                Ok(()) => client.leave().await,
-            },
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| inject(env, client, &mut there).await)
+            .await;
         env.pause(2000).await;
     }
 }

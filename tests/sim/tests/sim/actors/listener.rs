@@ -10,17 +10,11 @@ use crate::client::{Answer, Client};
 pub(crate) async fn listener(mut env: Environment) {
     let mut serial = 0;
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => {
-                serial += 1;
-                match listen(&mut env, &mut client, serial).await {
-                    Err(error) => env.judge(asked, &error),
-                    Ok(()) => client.leave().await,
-                }
-            }
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| {
+            serial += 1;
+            listen(env, client, serial).await
+        })
+        .await;
         env.pause(400).await;
     }
 }

@@ -184,14 +184,8 @@ async fn step(env: &mut Environment, client: &mut Client) -> Answer<()> {
 pub(crate) async fn lines(mut env: Environment) {
     let mut newest = (0, 0);
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => match draw_for_a_while(&mut env, &mut client, &mut newest).await {
-                Err(error) => env.judge(asked, &error),
-                Ok(()) => client.leave().await,
-            },
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| draw_for_a_while(env, client, &mut newest).await)
+            .await;
         env.pause(100).await;
     }
 }
@@ -389,14 +383,7 @@ pub(super) const LATE: u64 = 150;
 pub(crate) async fn stopper(mut env: Environment) {
     while !env.is_over() {
         env.pause(3000).await;
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => match stop(&mut env, &mut client).await {
-                Err(error) => env.judge(asked, &error),
-                Ok(()) => client.leave().await,
-            },
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| stop(env, client).await).await;
     }
 }
 

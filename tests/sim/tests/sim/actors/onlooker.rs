@@ -16,14 +16,8 @@ const FIRST: i32 = 3_000_000;
 pub(crate) async fn onlooker(mut env: Environment) {
     let mut next = FIRST;
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => match try_all(&mut env, &mut client, &mut next).await {
-                Err(error) => env.judge(asked, &error),
-                Ok(()) => client.leave().await,
-            },
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| try_all(env, client, &mut next).await)
+            .await;
         env.pause(800).await;
     }
 }

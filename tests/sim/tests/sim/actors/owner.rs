@@ -17,17 +17,11 @@ const C: u32 = 7;
 pub(crate) async fn owner(mut env: Environment) {
     let mut serial = 0;
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => {
-                serial += 1;
-                match own(&mut env, &mut client, serial).await {
-                    Err(error) => env.judge(asked, &error),
-                    Ok(()) => client.leave().await,
-                }
-            }
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| {
+            serial += 1;
+            own(env, client, serial).await
+        })
+        .await;
         env.pause(600).await;
     }
 }

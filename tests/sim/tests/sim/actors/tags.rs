@@ -192,18 +192,11 @@ async fn read_pair(env: &mut Environment, client: &mut Client) -> Answer<()> {
 pub(crate) async fn reader(mut env: Environment) {
     let mut serial = 0;
     while !env.is_over() {
-        let asked = env.now();
-        match env.client().await {
-            Ok(mut client) => {
-                serial += 1;
-                if let Err(error) = read_connected(&mut env, &mut client, serial).await {
-                    env.judge(asked, &error);
-                } else {
-                    client.leave().await;
-                }
-            }
-            Err(error) => env.judge(asked, &error),
-        }
+        env.session(async |env, client| {
+            serial += 1;
+            read_connected(env, client, serial).await
+        })
+        .await;
         env.pause(100).await;
     }
 }
