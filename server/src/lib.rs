@@ -28,6 +28,7 @@ mod systemd;
 mod tls;
 pub mod trace;
 mod users;
+mod watch;
 
 pub use cli::main;
 pub use retained::NotPersisted;

@@ -18,7 +18,6 @@ use arcline_state::planted::is_planted;
 use bytes::{Bytes, BytesMut};
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt, Interest};
 use tokio::net::TcpStream;
-use tokio::sync::watch;
 use tokio::time::{Instant, Sleep, sleep_until, timeout};
 use tokio_rustls::server::TlsStream;
 use tracing::{debug, warn};
@@ -32,6 +31,7 @@ use crate::guard::Signs;
 use crate::limits::Rate;
 use crate::plant::ClientIdentity;
 use crate::tls::{Tls, TlsClient};
+use crate::watch;
 
 /// The longest turn of one connection, in which it takes its frames. Another connection waits for one message of a client, or for as many
 /// messages as fit into this time.

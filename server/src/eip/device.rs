@@ -13,7 +13,6 @@ use arcline_proto::encap::Service;
 use arcline_proto::identity::Identity;
 use arcline_proto::security::{CONFIDENTIALITY, CONFIGURED, SecurityInformation, port};
 use arcline_proto::session::{self, Host};
-use tokio::sync::watch;
 use tracing::{error, warn};
 
 use super::adapter::Adapters;
@@ -24,6 +23,7 @@ use super::turns::Turns;
 use crate::guard::ClientInterface;
 use crate::plant::{Plant, Principal};
 use crate::tls::Tls;
+use crate::watch;
 
 /// Settings of the EtherNet/IP interface (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]

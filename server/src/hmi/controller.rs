@@ -5,7 +5,6 @@ use arcline_routine::source::{Project, Trigger};
 use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, MonitorSample, MonitoredValue};
 use arcline_tag::{FloatsOnly, TagValue, Value as Scalar};
 use serde_json::Value;
-use tokio::sync::watch;
 
 use super::protocol::{
     AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, ProgramRow, Push,
@@ -14,6 +13,7 @@ use super::protocol::{
 };
 use crate::plant::control::ViewerId;
 use crate::plant::{Command, Force, Plant, Principal, Program, ProgramState};
+use crate::watch;
 
 /// Rungs or lines of one request.
 const PAGE: usize = 100;

@@ -38,11 +38,12 @@ use std::sync::atomic::AtomicU64;
 
 use axum::extract::ws::Utf8Bytes;
 use tokio::net::TcpListener;
-use tokio::sync::{broadcast, watch};
+use tokio::sync::broadcast;
 
 use crate::limits::{Full, Places};
 use crate::plant::Plant;
 use crate::tls::Tls;
+use crate::watch;
 use assets::Assets;
 use jog::Jogs;
 use preview::Previews;

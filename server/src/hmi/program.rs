@@ -12,7 +12,6 @@ use arcline_structured_text::{
     Program, ProgramRun, Progress, Reading, RunError, Stopped, is_status, pause_of_queue,
 };
 use arcline_tag::{TagPath, Value};
-use tokio::sync::watch;
 
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
 use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
@@ -20,6 +19,7 @@ use super::tags;
 use super::workers::WorkThreads;
 use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
+use crate::watch;
 use arcline_simulation::ImageNames;
 
 /// Time between two checks of motion that must end.

@@ -70,7 +70,7 @@ impl Scanner {
         }
         let mut all = monitors.lock();
         // A viewer may have gone while its monitor was compiled.
-        all.retain(|_, one| !one.samples.is_closed());
+        all.retain(|_, one| one.samples.receiver_count() > 0);
         let current = all.values().filter(|one| one.version == self.version);
         if Some(changes) != self.monitor_changes {
             self.monitor_changes = Some(changes);

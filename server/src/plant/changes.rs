@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use arcline_controller::image::{Image, TagId};
-use tokio::sync::watch;
 
 use super::Plant;
+use crate::watch;
 
 /// The last steps of all tags. It is empty while there are no readers.
 #[derive(Debug, Default)]
@@ -92,7 +92,9 @@ impl Changes {
     /// A caller that drops it before it is ready misses nothing.
     pub async fn next(&mut self) -> Option<TagChanges> {
         let taken = self.taken;
-        self.newest.wait_for(|newest| *newest > taken).await.ok()?;
+        while *self.newest.borrow_and_update() <= taken {
+            self.newest.changed().await.ok()?;
+        }
         let steps = lock(&self.tags);
         self.taken = steps.newest;
         let changed = steps.of.iter().filter(|(_, number)| **number > taken);

@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use arcline_routine::{Monitor, MonitorSample};
-use tokio::sync::watch;
 
 use super::control::ViewerId;
+use crate::watch;
 
 /// The rungs or lines that one viewer watches.
 #[derive(Debug)]

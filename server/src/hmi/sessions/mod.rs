@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use arc_swap::ArcSwap;
 use arcline_config::{Role, Security};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::Semaphore;
 use tokio::time::Instant;
 use tracing::{error, warn};
 
@@ -29,6 +29,7 @@ use crate::plant::control::ViewerId;
 use crate::plant::{Plant, Principal};
 use crate::users::command::random_text;
 use crate::users::{Users, UsersError, password};
+use crate::watch;
 
 /// Sessions of one user, and of all users.
 const MOST_OF_ONE: usize = 8;

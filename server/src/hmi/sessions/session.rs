@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::net::IpAddr;
 
 use arcline_config::Role;
-use tokio::sync::watch;
 use tokio::time::Instant;
 
 use crate::audit::EventKind;
 use crate::guard::VIEWERS;
 use crate::plant::Plant;
 use crate::plant::control::ViewerId;
+use crate::watch;
 
 /// The state of a session, as its viewer sees it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -7,7 +7,7 @@ use axum::extract::ws::Utf8Bytes;
 use bytes::Bytes;
 use futures_util::SinkExt as _;
 use tokio::sync::broadcast::error::RecvError;
-use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc, watch};
+use tokio::sync::{OwnedSemaphorePermit, broadcast, mpsc};
 use tokio::time::{interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
@@ -22,6 +22,7 @@ use crate::hmi::status::Status;
 use crate::hmi::{Shared, controller, tags};
 use crate::plant::control::ViewerId;
 use crate::plant::{Plant, Principal};
+use crate::watch;
 
 /// The session as its viewer sees it.
 pub(super) struct Sight {
@@ -122,7 +123,7 @@ pub(super) async fn send(mut sink: Sink, mut inbox: mpsc::Receiver<Outgoing>, sh
                     return;
                 }
                 // The status of the program comes as often as that of the machine.
-                if programs.has_changed().unwrap_or(false) {
+                if programs.has_changed() {
                     let push = programs.borrow_and_update().push(&mut program);
                     if !send_one(&mut sink, Message::Text(push.into())).await {
                         return;
