@@ -29,6 +29,7 @@ mod tls;
 pub mod trace;
 mod users;
 mod watch;
+mod work_threads;
 
 pub use cli::main;
 pub use retained::NotPersisted;

@@ -9,7 +9,11 @@ use std::fs;
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
+
+use crate::work_threads::WorkThreads;
 
 /// The adapter of an address at the time of its last read.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -47,6 +51,8 @@ pub(crate) struct Adapter {
 pub(crate) struct Adapters {
     /// The root of the system's files: `/`, or the folder of a test.
     root: PathBuf,
+    /// Where they are read again.
+    threads: WorkThreads,
     known: Arc<Mutex<BTreeMap<Ipv4Addr, Known>>>,
 }
 
@@ -64,10 +70,11 @@ const FRESH: Duration = Duration::from_secs(1);
 const MANY: usize = 64;
 
 impl Adapters {
-    /// `root`: where the system's files are.
-    pub(crate) fn new(root: &Path) -> Self {
+    /// `root`: where the system's files are; `threads` read them.
+    pub(crate) fn new(root: &Path, threads: WorkThreads) -> Self {
         Self {
             root: root.to_owned(),
+            threads,
             known: Arc::default(),
         }
     }
@@ -89,17 +96,21 @@ impl Adapters {
 
     /// Returns the known adapter of an address, and reads it again if it is old.
     fn known(&self, address: Ipv4Addr) -> Option<Arc<Adapter>> {
-        let mut all = lock(&self.known);
-        let known = all.get_mut(&address)?;
-        if known.read.elapsed() >= FRESH && !std::mem::replace(&mut known.reading, true) {
+        let (adapter, is_old) = {
+            let mut all = lock(&self.known);
+            let known = all.get_mut(&address)?;
+            let is_old = known.read.elapsed() >= FRESH && !std::mem::replace(&mut known.reading, true);
+            (known.adapter.clone(), is_old)
+        };
+        if is_old {
             self.read_beside(address);
         }
-        Some(known.adapter.clone())
+        Some(adapter)
     }
 
     fn read_beside(&self, address: Ipv4Addr) {
         let (root, known) = (self.root.clone(), self.known.clone());
-        tokio::task::spawn_blocking(move || read(&root, address, &known));
+        self.threads.run_beside(move || drop(read(&root, address, &known)));
     }
 }
 

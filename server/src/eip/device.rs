@@ -24,6 +24,7 @@ use crate::guard::ClientInterface;
 use crate::plant::{Plant, Principal};
 use crate::tls::Tls;
 use crate::watch;
+use crate::work_threads::WorkThreads;
 
 /// Settings of the EtherNet/IP interface (spec/ethernet-ip.md §18).
 #[derive(Clone, Debug)]
@@ -136,11 +137,11 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Binds the socket of I/O, if there is to be one.
+    /// Binds the socket of I/O, if there is to be one; `threads` read the files that show the network.
     ///
     /// # Errors
     /// Its address cannot be bound.
-    pub(crate) fn new(plant: Plant, mut settings: Settings) -> std::io::Result<Self> {
+    pub(crate) fn new(plant: Plant, mut settings: Settings, threads: WorkThreads) -> std::io::Result<Self> {
         let assembly_data = AssemblyData::new(plant.machine(), settings.config.io_loss);
         let assemblies = *assembly_data.assemblies();
         let io = match (settings.config.io.address(settings.config.listen), &settings.datagrams) {
@@ -156,7 +157,7 @@ impl Device {
             plant,
             assembly_data,
             objects: Objects::ALL,
-            adapters: Adapters::new(&settings.system),
+            adapters: Adapters::new(&settings.system, threads),
             turns: Turns::new(
                 tokio::runtime::Handle::try_current().map_or(1, |runtime| runtime.metrics().num_workers()),
             ),

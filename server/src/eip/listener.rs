@@ -22,6 +22,7 @@ use super::limiter::ClientSlot;
 use crate::plant::Plant;
 use crate::plant::roles::role_of_address;
 use crate::tls::Tls;
+use crate::work_threads::WorkThreads;
 
 /// Pause after the system refused to accept (out of file descriptors): long enough not to spin.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(50);
@@ -88,7 +89,7 @@ impl Listener {
         let local = endpoints.first().map_or(address, |endpoint| endpoint.local);
         settings.config.listen = address;
         let io = settings.config.io.address(address);
-        let device = Device::new(plant, settings).map_err(failed(io.unwrap_or(address)))?;
+        let device = Device::new(plant, settings, WorkThreads::Pool).map_err(failed(io.unwrap_or(address)))?;
         let device = Arc::new(device);
         Ok(Self {
             endpoints,

@@ -18,6 +18,7 @@ use super::device::{Device, Settings};
 use super::io::IoTurns;
 use super::listener::accept_clients;
 use crate::plant::Plant;
+use crate::work_threads::WorkThreads;
 
 /// Both directions of a connection.
 pub trait Duplex: AsyncRead + AsyncWrite + Unpin + Send {}
@@ -54,7 +55,7 @@ impl SteppedInterface {
     /// # Errors
     /// The address of implicit I/O cannot be bound.
     pub(crate) fn start(plant: Plant, settings: Settings) -> io::Result<Self> {
-        let device = Arc::new(Device::new(plant, settings)?);
+        let device = Arc::new(Device::new(plant, settings, WorkThreads::Caller)?);
         let (incoming, clients) = mpsc::unbounded_channel();
         let served = device.clone();
         tokio::spawn(async move {

@@ -44,6 +44,7 @@ use crate::limits::{Full, Places};
 use crate::plant::Plant;
 use crate::tls::Tls;
 use crate::watch;
+use crate::work_threads::WorkThreads;
 use assets::Assets;
 use jog::Jogs;
 use preview::Previews;
@@ -52,7 +53,7 @@ use protocol::text_of;
 use serve::Acceptor;
 pub(crate) use sessions::Sessions;
 use status::Status;
-use workers::{WorkThreads, Workers};
+use workers::Workers;
 
 /// The bound HMI.
 #[derive(Debug)]

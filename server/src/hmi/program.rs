@@ -16,10 +16,10 @@ use arcline_tag::{TagPath, Value};
 use super::drive::{self, Accepted, attribute, read_numbers, read_value, set_attribute};
 use super::protocol::{self, Checked, Done, ProgramState as State, ProgramStatus, Push, Refusal, text_of};
 use super::tags;
-use super::workers::WorkThreads;
 use crate::plant::control::ViewerId;
 use crate::plant::{LONGEST_SERIES, Plant, Principal, SeriesEnd, SeriesOutcome};
 use crate::watch;
+use crate::work_threads::WorkThreads;
 use arcline_simulation::ImageNames;
 
 /// Time between two checks of motion that must end.

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use tokio::sync::{Mutex, mpsc};
 
 use super::serve::{Acceptor, Browser};
-use super::workers::WorkThreads;
 use super::{Hmi, ListenSettings, Listener, Shared};
 use crate::plant::Plant;
+use crate::work_threads::WorkThreads;
 
 /// The page on such a network.
 #[derive(Debug)]

@@ -6,26 +6,7 @@ use tokio::sync::Semaphore;
 use tokio::task::spawn_blocking;
 
 use super::protocol::Refusal;
-
-/// The threads that do long work.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum WorkThreads {
-    /// Threads beside the runtime.
-    Pool,
-    /// On the thread of the caller, in order: a simulation has no other one.
-    Caller,
-}
-
-impl WorkThreads {
-    /// Does the work of a future that may compute for long.
-    pub(super) fn run(self, work: impl Future<Output = ()> + Send + 'static) {
-        let runtime = tokio::runtime::Handle::current();
-        match self {
-            Self::Pool => drop(spawn_blocking(move || runtime.block_on(work))),
-            Self::Caller => drop(runtime.spawn(work)),
-        }
-    }
-}
+use crate::work_threads::WorkThreads;
 
 /// The threads that compute for all viewers, but for simulations and programs.
 #[derive(Debug)]

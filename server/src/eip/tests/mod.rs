@@ -50,6 +50,7 @@ use super::connection;
 use super::device::{Device, Settings};
 use super::io::IoThread;
 use crate::plant::Plant;
+use crate::work_threads::WorkThreads;
 
 /// The local address of the in-memory streams.
 const LOCAL: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 44818);
@@ -176,7 +177,7 @@ impl Bench {
     }
 
     pub(super) fn of((plant, thread): (Plant, Handle), settings: Settings) -> Self {
-        let device = Arc::new(Device::new(plant, settings).expect("a free port"));
+        let device = Arc::new(Device::new(plant, settings, WorkThreads::Pool).expect("a free port"));
         let io = device.io().cloned();
         Self {
             _io: io.map(|io| IoThread::spawn(device.clone(), io).expect("a thread")),

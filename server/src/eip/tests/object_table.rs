@@ -11,6 +11,7 @@ use crate::eip::objects::{Access, Extent, Object, ObjectContext, Objects, On, Ow
 use crate::eip::pages;
 use crate::pages::compare_or_write_part;
 use crate::plant::Right;
+use crate::work_threads::WorkThreads;
 
 const CLASS: u16 = 0x0399;
 const ADD: u8 = 0x32;
@@ -84,7 +85,7 @@ type Case = (&'static str, u8, u32, &'static [u8], (u8, u16), &'static [u8]);
 #[tokio::test]
 async fn a_row_makes_an_object() {
     let (plant, _thread) = plant();
-    let mut device = Device::new(plant, settings_of("Bench")).expect("a free port");
+    let mut device = Device::new(plant, settings_of("Bench"), WorkThreads::Pool).expect("a free port");
     device.objects = objects();
     let (ours, theirs) = tokio::io::duplex(64 * 1024);
     tokio::spawn(connection::serve(theirs, LOCAL, PEER, Arc::new(device)));

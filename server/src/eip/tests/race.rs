@@ -12,6 +12,7 @@ use arcline_realtime::Rings;
 use arcline_tag::Elementary;
 
 use super::*;
+use crate::work_threads::WorkThreads;
 
 /// The operands that every message writes, all with one value.
 const OPERANDS: [&str; 5] = ["Speed", "AccelRate", "DecelRate", "Position[0]", "Position[1]"];
@@ -125,7 +126,7 @@ async fn operands_and_enable_in_are_one_action_between_clients() {
     let project = project();
     let (rings, link) = arcline_realtime::link(&project.machine);
     let plant = Plant::new(&project, link);
-    let device = Arc::new(Device::new(plant.clone(), settings_of("Race")).expect("a free port"));
+    let device = Arc::new(Device::new(plant.clone(), settings_of("Race"), WorkThreads::Pool).expect("a free port"));
     let end = Arc::new(AtomicBool::new(false));
     let controller = {
         let (end, plant) = (end.clone(), plant.clone());
