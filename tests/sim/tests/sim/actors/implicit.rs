@@ -176,9 +176,11 @@ impl Implicit {
             tokio::time::sleep(Duration::from_millis(1)).await;
             self.consume(env);
         }
-        // The connection may have ended with the server, or the datagrams of either were lost on the way.
+        // The connection may have ended with the server, or in a stall of it, or the datagrams of either were lost on the way.
         let disturbed_until = env.common.post.held_until().max(env.stalled_until());
-        let is_disturbed = env.lives() != lives || disturbed_until + self.timeout >= heard;
+        let is_disturbed = env.lives() != lives
+            || disturbed_until + self.timeout >= heard
+            || disturbed_until + 2 * self.interval >= self.sent;
         if is_disturbed || self.paused || self.sent == 0 {
             return;
         }
