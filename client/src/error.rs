@@ -90,7 +90,7 @@ pub enum ClientError {
         exerr: i8,
     },
     /// An object of another kind than the instruction acts on.
-    #[error("{name} is {}, {mnemonic} acts on {}", article(*is), article(mnemonic.instruction().object))]
+    #[error("{name} is {}, {mnemonic} acts on {}", .is.with_article(), .mnemonic.instruction().object.with_article())]
     WrongObject {
         /// The instruction.
         mnemonic: Mnemonic,
@@ -280,11 +280,6 @@ fn reason(ended: Option<&Ended>) -> String {
         || "it was stopped, superseded or faulted".to_owned(),
         ToString::to_string,
     )
-}
-
-fn article(object: Object) -> String {
-    let article = if object == Object::Axis { "an" } else { "a" };
-    format!("{article} {object}")
 }
 
 /// `, did you mean "CS1"?`

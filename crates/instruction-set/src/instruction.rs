@@ -17,6 +17,9 @@ pub enum Object {
 }
 
 impl Object {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::MotionGroup, Self::Axis, Self::CoordinateSystem];
+
     /// Its CIP class.
     pub const fn class_code(self) -> u16 {
         match self {
@@ -42,6 +45,15 @@ impl Object {
             Self::MotionGroup => "motion group",
             Self::Axis => "axis",
             Self::CoordinateSystem => "coordinate system",
+        }
+    }
+
+    /// In words, with its article.
+    pub const fn with_article(self) -> &'static str {
+        match self {
+            Self::MotionGroup => "a motion group",
+            Self::Axis => "an axis",
+            Self::CoordinateSystem => "a coordinate system",
         }
     }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use arcline_instruction_set::Object;
+
 /// A program that cannot run: the position, the text found and the text expected.
 ///
 /// Displayed over several lines, the last two of which show the line of the program and a caret.
@@ -126,6 +128,16 @@ pub enum SyntaxProblem {
         name: String,
         /// The nearest name.
         suggestion: Option<String>,
+    },
+    /// An object of another kind than the operand is.
+    #[error("`{name}` is {}, and this operand is {}", .is.with_article(), .wanted.with_article())]
+    WrongObject {
+        /// The name.
+        name: String,
+        /// The kind that it has.
+        is: Object,
+        /// The kind of the operand.
+        wanted: Object,
     },
     /// No tag or variable of that name.
     #[error("there is no tag `{path}`{}", suggest(.suggestion))]

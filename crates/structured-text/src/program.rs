@@ -172,6 +172,10 @@ impl Program {
                 if names.is_object(*object, name) {
                     return Ok(());
                 }
+                if let Some(is) = Object::ALL.into_iter().find(|other| names.is_object(*other, name)) {
+                    let (name, wanted) = (name.clone(), *object);
+                    return error(SyntaxProblem::WrongObject { name, is, wanted });
+                }
                 let suggestion = nearest(name, names.objects(*object));
                 let name = name.chars().take(60).collect();
                 return error(SyntaxProblem::UnknownObject {
