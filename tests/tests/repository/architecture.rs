@@ -92,7 +92,7 @@ const FORBIDDEN_BEFORE_REALTIME: &[&str] = &[
 #[rustfmt::skip]
 const CHANCE: &[(&str, &[&str], &[&str])] = &[
     ("a clock that is not the runtime's", &["std::time::Instant::now", "Instant::now"],
-     &["eip/adapter.rs", "health.rs", "hmi/preview.rs", "live/host.rs", "live/scanner.rs", "retained/state_writer.rs", "simulate/cell.rs",
+     &["health.rs", "hmi/preview.rs", "live/host.rs", "live/scanner.rs", "retained/state_writer.rs", "simulate/cell.rs",
        "simulate/mod.rs"]),
     ("the clock on the wall", &["SystemTime::now"],
      &["audit/file.rs", "audit/mod.rs", "live/host.rs", "plant/wall_clock.rs", "tls/mod.rs"]),
@@ -101,6 +101,8 @@ const CHANCE: &[(&str, &[&str], &[&str])] = &[
     ("threads", &["thread::Builder", "thread::spawn", "thread::scope", "thread::sleep"],
      &["audit/mod.rs", "doctor/real_time.rs", "eip/io/thread.rs", "guard/mod.rs", "live/mod.rs", "retained/state_writer.rs", "run.rs",
        "simulate/cell.rs", "trace/mod.rs"]),
+    ("threads of the runtime", &["spawn_blocking"], &["hmi/preview.rs", "hmi/sessions/mod.rs", "hmi/workers.rs", "work_threads.rs"]),
+    ("receivers that wake in a random order", &["tokio::sync::watch", ", watch}"], &[]),
     ("sockets", &["tokio::net"],
      &["eip/connection.rs", "eip/datagram.rs", "eip/listener.rs", "guard/watch.rs", "hmi/mod.rs", "hmi/serve.rs", "hmi/socket.rs",
        "tls/mod.rs"]),
