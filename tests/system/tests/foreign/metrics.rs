@@ -97,6 +97,11 @@ fn prometheus_scrapes_the_server() {
         .expect("the rules")
         .matches("alert:")
         .count();
+    // Each alert fires on numbers that are wrong, and not on those of a machine that works.
+    let tests = workspace().join("docs/metrics/alerts.test.yml");
+    check(&promtool, &["test", "rules", tests.to_str().expect("UTF-8")], "");
+    let tested = std::fs::read_to_string(&tests).expect("their tests");
+    assert_eq!(tested.matches("alertname:").count(), 2 * alerts, "each alert, twice");
     let series = metrics.lines().filter(|line| !line.starts_with('#')).count();
     assert!((100..5000).contains(&series), "{series} series");
 
