@@ -358,6 +358,35 @@ fn add_on_instructions_get_axes_and_coordinate_systems_by_reference() {
 }
 
 #[test]
+fn add_on_instructions_get_positions_by_reference() {
+    for (defined, position) in [(3, "Pos"), (3, "Pos[0]"), (1, "Pos"), (1, "Pos[0]")] {
+        let mut of = project(
+            &format!("{TAGS}, P Put, To REAL[3] 1;2;3"),
+            &[("Main", "XIC(Go)Put(P,CS,M,To);")],
+        );
+        let mut to = parameter("Pos", "REAL", Usage::InOut, None);
+        to.member.dimensions = vec![defined];
+        of.instructions.push(add_on(
+            "Put",
+            vec![
+                parameter("Sys", "COORDINATE_SYSTEM", Usage::InOut, None),
+                parameter("Mc", "MOTION_INSTRUCTION", Usage::InOut, None),
+                to,
+            ],
+            vec![routine(
+                "Logic",
+                &format!("MCLM(Sys,Mc,0,{position},10,Unitspersec,10,Unitspersec2,10,Unitspersec2);"),
+            )],
+        ));
+        let mut bench = Bench::new(of);
+        bench.scan("Go : M.IP");
+        let expected = Argument::Array(arcline_instruction_set::RealArray::from_slice(&[1.0, 2.0, 3.0]));
+        let read: Vec<_> = bench.machine.calls.iter().map(|call| call.arguments[3]).collect();
+        assert_eq!(read, [expected], "{position} of {defined}");
+    }
+}
+
+#[test]
 fn operands_are_read_at_the_edge_from_the_element_on() {
     let mut of = project(
         &format!("{TAGS}, Path Point[3]"),
