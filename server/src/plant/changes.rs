@@ -1,8 +1,8 @@
 //! The stream of changes: which tags have changed, step by step, for readers that would otherwise poll.
 //!
-//! A step is one publication of the tag memory, at most one a tick but for writes. The log has only the number of each tag's last step, so
-//! the number of tags bounds it. A reader takes all steps since its last read at once: a slow one gets their number ([`TagChanges::steps`])
-//! and delays no other reader. Values are not here; a reader reads those that it wants.
+//! A step is one publication of the tag memory in which tags have changed, at most one a tick but for writes. The log has only the number of
+//! each tag's last step, so the number of tags bounds it. A reader takes all steps since its last read at once: a slow one gets their number
+//! ([`TagChanges::steps`]) and delays no other reader. Values are not here; a reader reads those that it wants.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -66,13 +66,16 @@ impl ChangeLog {
             return;
         }
         let number = steps.newest + 1;
-        steps.newest = number;
         steps.tick = now.snapshot_tick();
         now.for_each_change(before, |tag| {
+            steps.newest = number;
             steps.of.insert(tag, number);
         });
+        let is_step = steps.newest == number;
         drop(steps);
-        self.newest.send_replace(number);
+        if is_step {
+            self.newest.send_replace(number);
+        }
     }
 
     fn read(&self) -> Changes {
