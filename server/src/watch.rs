@@ -219,7 +219,7 @@ mod tests {
                 let (mut receiver, woken) = (sender.subscribe(), woken.clone());
                 tokio::spawn(async move {
                     while receiver.changed().await.is_ok() {
-                        woken.send((*receiver.borrow(), number)).unwrap();
+                        woken.send((*receiver.borrow(), number)).expect("it is read");
                     }
                 })
             })
@@ -231,7 +231,7 @@ mod tests {
         tokio::task::yield_now().await;
         drop(sender);
         for task in tasks {
-            task.await.unwrap();
+            task.await.expect("it ends");
         }
         drop(woken);
         let expected: Vec<_> = (1..=3)
