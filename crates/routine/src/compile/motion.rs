@@ -18,10 +18,9 @@ impl Compiler<'_> {
     pub(crate) fn motion_objects(&mut self) {
         let control = DataType::Structure(predefined::motion_instruction());
         let mut without = Vec::new();
-        let kinds = [Object::MotionGroup, Object::Axis, Object::CoordinateSystem];
         for tag in &self.tags.list {
             if tag.program.is_none() {
-                for kind in kinds {
+                for kind in Object::ALL {
                     if let Some(index) = self.directory.object(kind, &tag.name) {
                         self.objects.push((tag.at, kind, index));
                     }
