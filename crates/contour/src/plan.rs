@@ -114,7 +114,8 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: Plann
         return rest;
     }
     for quality in qualities(moves, planning_time).chain([Quality::TimingOnly]) {
-        if let Some(trajectory) = Section::new(moves, limits, SectionStart::Rest, quality).plan() {
+        let section = Section::new(moves, limits, SectionStart::Rest, quality);
+        if let Some(trajectory) = section.plan(planning_time) {
             return trajectory;
         }
     }

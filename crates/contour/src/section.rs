@@ -9,6 +9,7 @@ use crate::path::margin::ToleranceMargin;
 use crate::path::reference::ReferencePath;
 use crate::path::rounding::{Corners, Stretch, round};
 use crate::path::smooth::smooth;
+use crate::plan::PlanningTime;
 use crate::solve::measure::{Measured, measured};
 use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
@@ -36,6 +37,15 @@ pub(crate) enum Missed {
     Near,
     /// The motion is so far outside its limits that only a slower start comes within them.
     Far,
+}
+
+/// What brings a warm start within all limits that is nearly within them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mend {
+    /// One smoothing of its curve, if it needs a mend at all.
+    Smoothing,
+    /// Its timing, which takes more work.
+    Timing,
 }
 
 /// Moves from rest to rest without a stop between them.
@@ -87,19 +97,18 @@ impl<'a> Section<'a> {
     }
 
     /// Plans from rest to rest; `None` if the result is not inside the corridor and the limits.
-    pub(crate) fn plan(&self) -> Option<Trajectory> {
-        Some(self.finish(self.solve()?))
-    }
-
-    /// As [`Section::plan`], with its control points.
-    pub(crate) fn solve(&self) -> Option<Solved> {
+    pub(crate) fn plan(&self, planning_time: PlanningTime) -> Option<Trajectory> {
         let control = self.first_guess();
-        let mut work = Work::from_rest(control.points.len());
-        self.run(control, &stages(self.smoothness, self.quality), &mut work)
-            .ok()
+        let mut work = match (planning_time, self.quality) {
+            // Without a smooth curve in time, the corners are rounded one by one, which is found soon.
+            (PlanningTime::Streaming, Quality::Smooth) => Work::to_begin(),
+            _ => Work::from_rest(control.points.len()),
+        };
+        let stages = stages(self.smoothness, self.quality);
+        Some(self.finish(self.run(control, &stages, &mut work).ok()?))
     }
 
-    /// The same with a budget of work that it shares with others.
+    /// The same, with its control points, within a budget of work that it shares with others.
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
         let stages = stages(self.smoothness, self.quality);
         self.run(self.first_guess(), &stages, work).ok()
@@ -132,26 +141,24 @@ impl<'a> Section<'a> {
         Ok(self.finish(self.run(control, &stages, work)?))
     }
 
-    /// Makes a warm start faster that is within all limits, or nearly; `None` if it does not come within them.
-    pub(crate) fn hasten(&self, warm_start: ControlPoints, work: &mut Work) -> Option<Trajectory> {
+    /// Makes a warm start faster that a mend brings within all limits; `None` if it does not.
+    pub(crate) fn hasten(&self, warm_start: ControlPoints, mend: Mend, work: &mut Work) -> Option<Trajectory> {
         let mut margin = ToleranceMargin::new();
         let stages = stages(self.smoothness, Quality::TimingOnly);
         let stage = stages.last()?;
-        let mut best = self
-            .within(warm_start.clone(), &mut margin)
-            .or_else(|| {
-                let mut smoothed = warm_start.clone();
+        let mut best = match mend {
+            Mend::Smoothing => self.within(warm_start.clone(), &mut margin).or_else(|| {
+                let mut smoothed = warm_start;
                 smooth(&self.reference, &self.allowance, &margin, &self.bounds, &mut smoothed);
                 project(&self.reference, &mut smoothed);
                 self.within(smoothed, &mut margin)
-            })
-            .or_else(|| {
-                // A warm start that is nearly within the limits comes inside by its timing.
+            })?,
+            Mend::Timing => {
                 let mut closed_in = warm_start;
-                let mut margin = ToleranceMargin::new();
                 self.run_stage(&mut closed_in, stage, &margin, work);
-                self.within(closed_in, &mut margin)
-            })?;
+                self.within(closed_in, &mut margin)?
+            }
+        };
         let mut control = best.control.clone();
         work.allow_hastening(control.points.len());
         for round in 0..=TUNING.gentle.repairs {

@@ -310,6 +310,9 @@ constants! {
         /// times; 1M visits take about 0.3 s.
         from_rest: u64 = 5_000_000,
         from_rest_each: u64 = 3000,
+        /// The smooth curve of the first moves of a stream, which wait for it: 0.1 s at most. Of 183 in random streams 163 were found, and
+        /// those that were not took twice as long as the longest of these without a bound.
+        to_begin: u64 = 400_000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
         to_continue: u64 = 1_000_000,
@@ -317,31 +320,40 @@ constants! {
         /// Visits of each node to make a motion within all limits faster when the budget of its search is used up: a start that was slowed down takes ten
         /// times as long as it must.
         hastening_each: u64 = 100,
-        /// Visits of each node that an attempt of a gentle continuation is worth without its optimisation: its speed curve, and a smoothing.
-        attempt_each: u64 = 50,
+        /// Visits of each node that an attempt of a gentle continuation is worth without its optimisation: its speed curve, and a smoothing;
+        /// and those of an attempt along a smooth curve, which is smoothed twice. More leave fewer attempts to a search, fewer let it take longer than its
+        /// share. Counted after the attempt and only if it came to its optimisation, attempts took up to seven times their share.
+        attempt_each: u64 = 25,
+        smooth_attempt_each: u64 = 50,
         /// Visits that one of timing and shape together is worth.
-        together_each: u64 = 3,
-        /// Visits in a second of a processor: 4 to 10 million on a computer of 2026. Fewer leave the searches of an extension less work, more let them
+        /// 3: such searches took two to four times their share.
+        together_each: u64 = 6,
+        /// Visits in a second of a processor: 8 to 16 million on a slow computer of 2026. Fewer leave the searches of an extension less work, more let them
         /// take longer than there is time.
-        visits_per_s: f64 = 4e6,
+        visits_per_s: f64 = 8e6,
     }
 }
 
 constants! {
-    /// The time that each search for an extension may take, so that the next one still is in time: a share of the running motion's rest, and the least
-    /// seconds. Extensions that are found on a smooth curve take 10 to 90 ms and those that are not found took 0.2 to 2 s: without these limits one
-    /// random stream in five rested. At first, timing and shape together alone keep the speed constant along few chords (0.5 of it: a circle of 120 slowed
-    /// down twice at its end), but what comes behind them needs time as well (0.7: of 22 random extensions 6 were not found, with 0.6 all
-    /// were); last nothing comes behind them. Of `smooth`, 0.15 instead: `coarse` 0.11 of the motion.
+    /// The time that each search for an extension may take, so that the next one still is in time: a share of what the searches before leave of the
+    /// running motion's rest. Extensions that are found on a smooth curve take 5 to 60 ms, those that are not found took 0.2 to 2 s: without these limits
+    /// one random stream in five rested. With least times as well, the searches of a short rest took all of it: of 250 random streams 11 rested, now none.
     Patience {
-        smooth: [f64; 2] = [0.2, 0.1],
-        gentle_and_smooth: [f64; 2] = [0.08, 0.02],
-        together: [f64; 2] = [0.6, 0.1],
-        smooth_sooner: [f64; 2] = [0.12, 0.01],
-        gentle: [f64; 2] = [0.12, 0.05],
-        gentle_alone: [f64; 2] = [0.3, 0.05],
-        gentle_sooner: [f64; 2] = [0.12, 0.02],
-        last: [f64; 2] = [1.0, 0.1],
+        /// Half as much: a motion of the random streams is 0.2 % longer, and the searches behind it take the time. In a short rest
+        /// ([`Extend::short_s`]) it gets more, as others are found seldom: with 0.1 ten of 48 extensions of `fine` were not found, not one.
+        smooth: f64 = 0.1,
+        smooth_short: f64 = 0.16,
+        gentle_and_smooth: f64 = 0.05,
+        /// At first, timing and shape together alone keep the speed constant along few chords (half of it: a circle of 120 slowed down twice at its end),
+        /// but what comes behind them needs time as well (more: of 22 random extensions 6 were not found).
+        together: f64 = 0.6,
+        smooth_sooner: f64 = 0.06,
+        gentle: f64 = 0.07,
+        gentle_alone: f64 = 0.15,
+        gentle_sooner: f64 = 0.07,
+        /// The last one may take most of what is left, and this number of seconds in any case: nothing is planned after it.
+        last: f64 = 0.5,
+        least_last_s: f64 = 0.05,
         /// The share of its time that a gentle search takes until it finds a plan, about.
         gentle_takes: f64 = 0.5,
         /// The longest rest of which they take a share, seconds: a failed extension is tried again with what is left.
@@ -554,6 +566,9 @@ constants! {
         /// Seconds of one extension, as a share of the usual ones.
         /// Less is planned sooner, more leaves more time until the next one. Not measured.
         ahead_share: f64 = 0.5,
+        /// The same for a continuation from instants long before the running motion brakes. Fewer moves are found with less work: with 0.5 five of 250
+        /// random streams rested whose plans came as late as their processor time, not three.
+        sooner_share: f64 = 0.2,
         /// Share of the limits for changes of the speed where the path turns.
         /// More is faster, less is more often within the limits at once. Not measured.
         turning_share: f64 = 0.3,

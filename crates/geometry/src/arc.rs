@@ -349,6 +349,12 @@ impl Arc {
         self.e1.cross(&self.e2)
     }
 
+    /// Unit vectors in the plane of the arc: from the centre to the start, and across in the sense of the motion.
+    #[must_use]
+    pub fn axes(&self) -> [Point; 2] {
+        [self.e1, self.e2]
+    }
+
     /// The point at arc length `s`: `start` at 0 and `end` at `length` bit for bit, along the same
     /// curve outside. Real-time safe: a true circle takes one sine and cosine, a spiral at most
     /// `NEWTON_STEPS` steps more.

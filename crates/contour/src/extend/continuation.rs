@@ -6,7 +6,7 @@ use crate::extend::warm_start::{Running, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::SectionStart;
 use crate::plan::{PlanningTime, plan_with};
-use crate::section::{Missed, Section};
+use crate::section::{Mend, Missed, Section};
 use crate::solve::stages::Quality;
 use crate::solve::work::{Budget, Work};
 use crate::timing::control_points::{ControlPoints, GIVEN};
@@ -89,19 +89,15 @@ impl Continuation<'_> {
             candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
             None::<()>
         });
-        candidates
-            .into_iter()
-            .take(TUNING.gentle.attempts)
-            .find_map(|(_, leave, shares)| {
-                if budget.is_spent() {
-                    return None;
-                }
-                let splice = first.max(before(running, leave));
-                self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
-                    let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
-                    hastened(&section, control, budget)
-                })
+        candidates.truncate(TUNING.gentle.attempts);
+        first_within(&candidates, budget, |&(_, leave, shares), mend, budget| {
+            let splice = first.max(before(running, leave));
+            self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
+                let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
+                budget.begin(control.points.len());
+                hastened(&section, control, mend, budget)
             })
+        })
     }
 
     /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
@@ -113,19 +109,14 @@ impl Continuation<'_> {
             .map(|leave| (in_use(&running.at(leave), limits), leave))
             .collect();
         instants.sort_by(|a, b| a.0.total_cmp(&b.0));
-        instants
-            .into_iter()
-            .take(TUNING.gentle.smooth_attempts)
-            .find_map(|(_, leave)| {
-                if budget.is_spent() {
-                    return None;
-                }
-                let splice = first.max(before(running, leave));
-                self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                    let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares)?;
-                    hastened(&section, control, budget)
-                })
+        instants.truncate(TUNING.gentle.smooth_attempts);
+        first_within(&instants, budget, |&(_, leave), mend, budget| {
+            let splice = first.max(before(running, leave));
+            self.then(splice, leave, Quality::Smooth, |section, followed, _| {
+                let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares, budget)?;
+                hastened(&section, control, mend, budget)
             })
+        })
     }
 
     /// The running motion until `splice`, then the plan of `tail` for the section from there on.
@@ -224,12 +215,28 @@ impl Continuation<'_> {
     }
 }
 
-/// A warm start within all limits, or nearly, made faster within a budget.
-fn hastened(section: &Section<'_>, control: ControlPoints, budget: &mut Budget) -> Option<Trajectory> {
-    let nodes = control.points.len();
-    budget.begin(nodes);
-    let mut work = Work::to_continue(nodes, Quality::Smooth);
-    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, work))
+/// The first plan from one of the candidates, with the mend that takes the least work.
+fn first_within<C>(
+    candidates: &[C],
+    budget: &mut Budget,
+    mut plan: impl FnMut(&C, Mend, &mut Budget) -> Option<Trajectory>,
+) -> Option<Trajectory> {
+    let each = |mend| candidates.iter().map(move |candidate| (candidate, mend));
+    [Mend::Smoothing, Mend::Timing]
+        .into_iter()
+        .flat_map(each)
+        .find_map(|(candidate, mend)| {
+            if budget.is_spent() {
+                return None;
+            }
+            plan(candidate, mend, budget)
+        })
+}
+
+/// A warm start that a mend brings within all limits, made faster within a budget.
+fn hastened(section: &Section<'_>, control: ControlPoints, mend: Mend, budget: &mut Budget) -> Option<Trajectory> {
+    let mut work = Work::to_continue(control.points.len(), Quality::Smooth);
+    budget.spend(Quality::Smooth, &mut work, |work| section.hasten(control, mend, work))
 }
 
 /// The instant at which a warm start leaves the running trajectory, which it follows until about `leave`: at the last knot before, or at the

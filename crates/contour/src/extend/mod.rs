@@ -77,7 +77,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     // The estimated time of the searches before.
     let spent = Cell::new(0.0);
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
-    let plan = |search: Search<'_>, share: f64, [patience, least]: [f64; 2]| {
+    let plan_for = |search: Search<'_>, share: f64, patience: f64, least: f64| {
         let most = moves.len() - old;
         let more = ((share * most as f64).ceil() as usize).max(TUNING.extend.least_moves.min(most));
         let continuation = Continuation {
@@ -90,7 +90,8 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
             end: end.min(old + more),
             quality: search.quality(),
         };
-        let seconds = (patience * left.min(TUNING.patience.most_rest_s)).max(least);
+        let rest = (left - spent.get()).clamp(0.0, TUNING.patience.most_rest_s);
+        let seconds = (patience * rest).max(least);
         let mut budget = Budget::of(seconds);
         // What is found from a warm start outside of the limits is found soon, but the optimisation of a gentle plan takes its time.
         let takes = match search {
@@ -102,27 +103,32 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         spent.set(spent.get() + budget.seconds());
         found
     };
-    let attempts = if left < TUNING.extend.short_s {
-        &TUNING.attempts.short
-    } else {
-        &TUNING.attempts.usual
-    };
     let patience = &TUNING.patience;
-    let smooth = |share| plan(Search::Attempts(Quality::Smooth, attempts), share, patience.smooth);
-    let gently = |search, patience| plan(search, TUNING.gentle.ahead_share, patience);
+    let (attempts, patience_of_smooth) = if left < TUNING.extend.short_s {
+        (&TUNING.attempts.short, patience.smooth_short)
+    } else {
+        (&TUNING.attempts.usual, patience.smooth)
+    };
+    let plan = |search, share, patience| plan_for(search, share, patience, 0.0);
+    let last = |search, share| plan_for(search, share, patience.last, patience.least_last_s);
+    let smooth = Search::Attempts(Quality::Smooth, attempts);
     let arcs = moves[begin..end]
         .iter()
         .filter(|one| matches!(one.path, Path::Arc(_)))
         .count();
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
+    let sooner = || plan(Search::GentleSooner, TUNING.gentle.sooner_share, patience.gentle_sooner);
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
-        smooth(1.0)
+        plan(smooth, 1.0, patience_of_smooth)
             .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
+            .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
             .or_else(|| {
                 let search = Search::Attempts(Quality::Smooth, &TUNING.attempts.sooner);
                 plan(search, 1.0, patience.smooth_sooner)
             })
-            .or_else(|| gently(Search::Gentle, patience.gentle))
+            // A smooth curve cannot be left for evenly rounded corners in its course.
+            .or_else(sooner)
+            .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
@@ -131,16 +137,11 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
             .then(|| plan(Search::Attempts(Quality::Full, first), 1.0, patience.together))
             .flatten();
         together
-            .or_else(|| gently(Search::Gentle, patience.gentle_alone))
-            .or_else(|| smooth(TUNING.extend.less_share))
+            .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
+            .or_else(|| plan(smooth, TUNING.extend.less_share, patience_of_smooth))
+            .or_else(sooner)
+            .or_else(|| last(Search::Attempts(Quality::Full, attempts), TUNING.extend.less_share))?
     };
-    // A smooth curve cannot be left for evenly rounded corners in its course.
-    let extended = extended
-        .or_else(|| gently(Search::GentleSooner, patience.gentle_sooner))
-        .or_else(|| {
-            let full = Search::Attempts(Quality::Full, attempts);
-            plan(full, TUNING.extend.less_share, patience.last)
-        })?;
     let count = extended.moves();
     Some(extended.planned_for(&moves[..count], limits))
 }

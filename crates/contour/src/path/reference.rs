@@ -95,10 +95,8 @@ pub(crate) fn along(piece: &Path, q: &Point) -> f64 {
 
 /// The angle about the centre of an arc from its start, 0 to 2 pi.
 fn angle_of(arc: &Arc, q: &Point) -> f64 {
-    let e1 = (arc.start() - arc.center()) / arc.radius();
-    let e2 = arc.normal().cross(&e1);
-    let from_center = q - arc.center();
-    let angle = libm::atan2(from_center.dot(&e2), from_center.dot(&e1));
+    let [x, y] = in_plane(arc, q);
+    let angle = libm::atan2(y, x);
     if angle < 0.0 {
         angle + core::f64::consts::TAU
     } else {
@@ -106,19 +104,75 @@ fn angle_of(arc: &Arc, q: &Point) -> f64 {
     }
 }
 
+/// A point in the plane of an arc, from its centre along its axes.
+fn in_plane(arc: &Arc, q: &Point) -> [f64; 2] {
+    let from_center = q - arc.center();
+    arc.axes().map(|axis| from_center.dot(&axis))
+}
+
 fn nearest_on_arc(arc: &Arc, q: &Point) -> Point {
-    let normal = arc.normal();
-    let e1 = (arc.start() - arc.center()) / arc.radius();
-    let e2 = normal.cross(&e1);
-    let angle = angle_of(arc, q);
-    if angle <= arc.sweep() {
+    let [e1, e2] = arc.axes();
+    let [x, y] = in_plane(arc, q);
+    let unit = if arc.radius() == arc.end_radius() {
+        // A true circle needs no angles: the point is before its end in the sense of the motion.
+        let [end_x, end_y] = in_plane(arc, &arc.end());
+        let (is_behind_start, is_before_end) = (y >= 0.0, x * end_y >= y * end_x);
+        let is_within = if arc.sweep() > core::f64::consts::PI {
+            is_behind_start || is_before_end
+        } else {
+            is_behind_start && is_before_end
+        };
+        let radius = (x * x + y * y).sqrt();
+        (is_within && radius > 0.0).then(|| (arc.radius(), [x / radius, y / radius]))
+    } else {
+        let angle = angle_of(arc, q);
         let radius = arc.radius() + (arc.end_radius() - arc.radius()) * angle / arc.sweep();
         let (sin, cos) = libm::sincos(angle);
+        (angle <= arc.sweep()).then_some((radius, [cos, sin]))
+    };
+    if let Some((radius, [cos, sin])) = unit {
         return arc.center() + (e1 * cos + e2 * sin) * radius;
     }
     if (q - arc.start()).norm_squared() <= (q - arc.end()).norm_squared() {
         arc.start()
     } else {
         arc.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arcline_geometry::{CirclePoint, Dimension, Direction};
+    use proptest::prelude::*;
+
+    /// Points of an arc that the test measures.
+    const SAMPLES: u32 = 2000;
+
+    proptest! {
+        /// On circles and spirals, from points on either side and in the middle.
+        #[test]
+        fn the_nearest_point_of_an_arc_is_no_farther_than_any_sample(
+            to in 0.05..6.2_f64,
+            direction in 0..4_i32,
+            spiral in prop_oneof![Just(1.0), 0.9..1.1_f64],
+            q in [-12.0..12.0_f64, -12.0..12.0_f64, -3.0..3.0_f64],
+        ) {
+            const RADIUS: f64 = 5.0;
+            let center = CirclePoint::Center(Point::zeros());
+            let start = Point::new(RADIUS, 0.0, 0.0);
+            let end = Point::new(libm::cos(to), libm::sin(to), 0.0) * RADIUS * spiral;
+            let direction = Direction::from_word(direction).expect("four directions");
+            let arc = Arc::new(Dimension::Two, start, end, center, direction).expect("an arc");
+            let q = Point::from(q);
+            let path = Path::Arc(arc);
+            let found = (nearest(&path, &q) - q).norm();
+            let at = |k: u32| path.at(arc.length() * f64::from(k) / f64::from(SAMPLES)).position;
+            let sampled = (0..=SAMPLES).map(|k| (at(k) - q).norm()).fold(f64::INFINITY, f64::min);
+            // The nearest point of a spiral is that at the same angle, which is a little farther.
+            let is_spiral = arc.radius() != arc.end_radius();
+            prop_assert!(found <= sampled + if is_spiral { 0.5 } else { 1e-9 }, "{found} > {sampled}");
+            prop_assert!(found >= sampled - 0.02, "{found} < {sampled}: not on the arc");
+        }
     }
 }

@@ -45,7 +45,15 @@ impl Budget {
 
     /// Counts an attempt that begins with this number of nodes, without the steps of its optimisation.
     pub(crate) fn begin(&mut self, nodes: usize) {
-        let visits = TUNING.work.attempt_each * nodes as u64;
+        self.count(TUNING.work.attempt_each * nodes as u64);
+    }
+
+    /// The same for an attempt that begins with a smooth curve.
+    pub(crate) fn begin_smooth(&mut self, nodes: usize) {
+        self.count(TUNING.work.smooth_attempt_each * nodes as u64);
+    }
+
+    fn count(&mut self, visits: u64) {
         self.left = self.left.saturating_sub(visits);
         self.spent += visits;
     }
@@ -61,8 +69,7 @@ impl Budget {
         let done = with(work);
         work.left = left.saturating_sub(work.visited - before);
         let visited = each * (work.visited - before);
-        self.left = self.left.saturating_sub(visited);
-        self.spent += visited;
+        self.count(visited);
         done
     }
 }
@@ -72,6 +79,14 @@ impl Work {
     pub(crate) fn from_rest(nodes: usize) -> Work {
         Work {
             left: TUNING.work.from_rest + TUNING.work.from_rest_each * nodes as u64,
+            visited: 0,
+        }
+    }
+
+    /// For the smooth curve of a motion from rest that others continue.
+    pub(crate) fn to_begin() -> Work {
+        Work {
+            left: TUNING.work.to_begin,
             visited: 0,
         }
     }

@@ -12,6 +12,7 @@ mod speed_curve;
 use crate::AxesState;
 use crate::extend::warm_start::{Running, followed, knots};
 use crate::section::Section;
+use crate::solve::work::Budget;
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
 use fade::Fade;
@@ -56,8 +57,9 @@ pub(crate) fn gentle_and_smooth(
     section: &Section<'_>,
     running: Running<'_>,
     shares: &[[f64; 2]],
+    budget: &mut Budget,
 ) -> Option<ControlPoints> {
-    let curve = Smoothed::new(section, running)?;
+    let curve = Smoothed::new(section, running, budget)?;
     let initial = running.trajectory.at(running.splice);
     let (state, followed) = (curve.begin(), curve.followed().to_vec());
     let left = *followed.last()?;

@@ -4,6 +4,7 @@ use crate::extend::warm_start::{Running, knots, warm_start};
 use crate::path::margin::ToleranceMargin;
 use crate::path::smooth::smooth;
 use crate::section::Section;
+use crate::solve::work::Budget;
 use crate::timing::resample::project;
 use crate::{AxesState, Point, Trajectory};
 use arcline_profile::KinematicState;
@@ -22,8 +23,9 @@ pub(crate) struct Smoothed {
 
 impl Smoothed {
     /// `None` if too little follows the kept part.
-    pub(crate) fn new(section: &Section<'_>, running: Running<'_>) -> Option<Smoothed> {
+    pub(crate) fn new(section: &Section<'_>, running: Running<'_>, budget: &mut Budget) -> Option<Smoothed> {
         let mut control = warm_start(section, running);
+        budget.begin_smooth(control.points.len());
         let margin = ToleranceMargin::new();
         smooth(
             &section.reference,
