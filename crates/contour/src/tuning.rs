@@ -310,7 +310,7 @@ constants! {
         /// times; 1M visits take about 0.3 s.
         from_rest: u64 = 5_000_000,
         from_rest_each: u64 = 3000,
-        /// The smooth curve of the first moves of a stream, which wait for it: 0.1 s at most. Of 183 in random streams 163 were found, and
+        /// The smooth curve of the first moves of a stream, which wait for it: 0.05 s at most. Of 183 in random streams 163 were found, and
         /// those that were not took twice as long as the longest of these without a bound.
         to_begin: u64 = 400_000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
