@@ -146,30 +146,38 @@ impl Batch {
                     .map_err(|_| PyValueError::new_err("a bound array is not contiguous"))?,
             );
         }
-        let size = self.count.div_ceil(self.threads);
+        // Several pieces for each thread, so that one with less to do takes more of them.
+        let size = self.count.div_ceil(self.threads * PIECES_PER_THREAD);
+        let mut columns: Vec<_> = columns.into_iter().map(|column| column.chunks_mut(size)).collect();
+        let pieces = members.chunks_mut(size).map(|chunk| {
+            let columns: Vec<_> = columns.iter_mut().filter_map(Iterator::next).collect();
+            (chunk, columns)
+        });
+        let pieces = Mutex::new(pieces.collect::<Vec<_>>());
         py.detach(|| {
-            std::thread::scope(|scope| {
-                let mut columns: Vec<_> = columns.into_iter().map(|column| column.chunks_mut(size)).collect();
-                let mut chunks = members.chunks_mut(size).peekable();
-                while let Some(chunk) = chunks.next() {
-                    let columns: Vec<_> = columns.iter_mut().filter_map(Iterator::next).collect();
-                    let signals = &signals;
-                    let work = move || work(chunk, columns, signals, ticks);
-                    // The last part is this thread's.
-                    if chunks.peek().is_some() {
-                        scope.spawn(work);
-                    } else {
-                        work();
-                    }
+            let work = || {
+                loop {
+                    let piece = pieces.lock().expect("no panic while it is locked").pop();
+                    let Some((chunk, columns)) = piece else { return };
+                    step(chunk, columns, &signals, ticks);
                 }
+            };
+            std::thread::scope(|scope| {
+                for _ in 1..self.threads {
+                    scope.spawn(work);
+                }
+                work();
             });
         });
         Ok(())
     }
 }
 
+/// Pieces of a batch for each thread.
+const PIECES_PER_THREAD: usize = 8;
+
 /// Steps some machines.
-fn work(members: &mut [Member], mut columns: Vec<&mut [f64]>, signals: &[Signal], ticks: u64) {
+fn step(members: &mut [Member], mut columns: Vec<&mut [f64]>, signals: &[Signal], ticks: u64) {
     let mut row = vec![0.0; signals.len()];
     for (index, Member { runner, .. }) in members.iter_mut().enumerate() {
         let limits = RunLimits {
