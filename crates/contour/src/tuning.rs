@@ -337,7 +337,7 @@ constants! {
 constants! {
     /// The time that each search for an extension may take, so that the next one still is in time: a share of what the searches before leave of the
     /// running motion's rest. Extensions that are found on a smooth curve take 5 to 60 ms, those that are not found took 0.2 to 2 s: without these limits
-    /// one random stream in five rested. With least times as well, the searches of a short rest took all of it: of 250 random streams 11 rested, now none.
+    /// one random stream in five rested. With least times as well, the searches of a short rest took all of it: of 250 random streams 10 rested, now none.
     Patience {
         /// Half as much: a motion of the random streams is 0.2 % longer, and the searches behind it take the time. In a short rest
         /// ([`Extend::short_s`]) it gets more, as others are found seldom: with 0.1 ten of 48 extensions of `fine` were not found, not one.

@@ -75,20 +75,19 @@ impl Budget {
 }
 
 impl Work {
+    /// For a number of visits.
+    pub(crate) fn of(left: u64) -> Work {
+        Work { left, visited: 0 }
+    }
+
     /// For a motion from rest that begins with this number of nodes.
     pub(crate) fn from_rest(nodes: usize) -> Work {
-        Work {
-            left: TUNING.work.from_rest + TUNING.work.from_rest_each * nodes as u64,
-            visited: 0,
-        }
+        Work::of(TUNING.work.from_rest + TUNING.work.from_rest_each * nodes as u64)
     }
 
     /// For the smooth curve of a motion from rest that others continue.
     pub(crate) fn to_begin() -> Work {
-        Work {
-            left: TUNING.work.to_begin,
-            visited: 0,
-        }
+        Work::of(TUNING.work.to_begin)
     }
 
     /// For all attempts to continue a motion, the first of which begins with this number of nodes; on a smooth curve for one attempt.
@@ -97,16 +96,7 @@ impl Work {
             Quality::Smooth => 0,
             Quality::Full | Quality::TimingOnly => TUNING.work.to_continue,
         };
-        Work {
-            left: some + TUNING.work.to_continue_each * nodes as u64,
-            visited: 0,
-        }
-    }
-
-    /// For a number of visits.
-    #[cfg(test)]
-    pub(crate) fn of(left: u64) -> Work {
-        Work { left, visited: 0 }
+        Work::of(some + TUNING.work.to_continue_each * nodes as u64)
     }
 
     /// Counts one visit of each of this number of nodes.
