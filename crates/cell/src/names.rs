@@ -126,9 +126,7 @@ impl<'m> Names<'m> {
                 image.store(id, &tag.first);
             }
             let bytes = image.bytes(id);
-            if let Some(memory) = cell.memory_mut().get_mut(at..at + bytes.len()) {
-                memory.copy_from_slice(bytes);
-            }
+            cell.memory_mut().write(at, bytes);
             places.tags.push(Placed {
                 from: at,
                 to: at + bytes.len(),

@@ -4,7 +4,7 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
-use arcline_routine::{Cell, Host};
+use arcline_routine::{Cell, Host, Memory};
 use arcline_simulation::{Observer, Origin, Simulation};
 
 use crate::names::{Names, Placed, Places};
@@ -48,14 +48,10 @@ impl Plant {
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment.
-    pub(crate) fn show(&mut self, memory: &mut [u8]) {
+    pub(crate) fn show(&mut self, memory: &mut Memory) {
         self.simulation.show_now();
         for (at, id) in &self.places.objects {
-            let bytes = self.simulation.image().bytes(*id);
-            let from = *at as usize;
-            if let Some(place) = memory.get_mut(from..from + bytes.len()) {
-                place.copy_from_slice(bytes);
-            }
+            memory.write(*at as usize, self.simulation.image().bytes(*id));
         }
     }
 
@@ -69,12 +65,12 @@ impl Plant {
     }
 
     /// Brings the bytes of a tag that a call names from the project to the machine's tags, or back.
-    fn exchange(&mut self, address: TagAddress, memory: &mut [u8], direction: Direction) {
+    fn exchange(&mut self, address: TagAddress, memory: &mut Memory, direction: Direction) {
         let id = TagId(address.tag());
         let Some(Placed { from, to, .. }) = self.places.tag(id) else {
             return;
         };
-        let Some(bytes) = memory.get_mut(from..to) else {
+        let Some(bytes) = memory.get(from..to) else {
             return;
         };
         match direction {
@@ -82,13 +78,13 @@ impl Plant {
             Direction::ToProject => {
                 let known = self.simulation.image().bytes(id);
                 if known.len() == bytes.len() {
-                    bytes.copy_from_slice(known);
+                    memory.write(from, known);
                 }
             }
         }
     }
 
-    fn exchange_all(&mut self, call: &Call, memory: &mut [u8], direction: Direction) {
+    fn exchange_all(&mut self, call: &Call, memory: &mut Memory, direction: Direction) {
         for argument in &call.arguments {
             match argument {
                 Argument::Tag(address) => self.exchange(*address, memory, direction),
@@ -136,7 +132,7 @@ enum Direction {
 }
 
 /// Takes the values that an instruction wrote to a tag.
-fn take_instruction_write(image: &mut Image, places: &Places, memory: &mut [u8], write: &InstructionWrite) {
+fn take_instruction_write(image: &mut Image, places: &Places, memory: &mut Memory, write: &InstructionWrite) {
     let id = TagId(write.tag.tag());
     let tag = places.tag(id);
     if let Some(Placed { from, to, .. }) = tag
@@ -146,15 +142,14 @@ fn take_instruction_write(image: &mut Image, places: &Places, memory: &mut [u8],
     }
     image.apply_instruction_write(write);
     if let Some(Placed { from, to, .. }) = tag
-        && let Some(bytes) = memory.get_mut(from..to)
-        && image.bytes(id).len() == bytes.len()
+        && image.bytes(id).len() == to - from
     {
-        bytes.copy_from_slice(image.bytes(id));
+        memory.write(from, image.bytes(id));
     }
 }
 
 impl Host for Plant {
-    fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl {
+    fn execute(&mut self, call: &Call, memory: &mut Memory) -> MotionControl {
         self.exchange_all(call, memory, Direction::ToMachine);
         let (_, control) = self.simulation.execute(call, Origin::default());
         self.exchange_all(call, memory, Direction::ToProject);

@@ -95,20 +95,13 @@ impl SimulatedCell {
             }
             _ => encoded(text, &part.location, value)?,
         };
-        let places = self.cell.memory_mut().get_mut(at + part.location.offset..);
-        let places = places.unwrap_or_default();
+        let (memory, at) = (self.cell.memory_mut(), at + part.location.offset);
         match new {
             Encoded::Bit(bit, on) => {
-                if let Some(byte) = places.get_mut(usize::from(bit / 8)) {
-                    let mask = 1 << (bit % 8);
-                    *byte = if on { *byte | mask } else { *byte & !mask };
-                }
+                let mask = 1 << (bit % 8);
+                memory.put_bits(at + usize::from(bit / 8), mask, if on { mask } else { 0 });
             }
-            Encoded::Bytes(bytes) => {
-                if let Some(place) = places.get_mut(..bytes.len()) {
-                    place.copy_from_slice(&bytes);
-                }
-            }
+            Encoded::Bytes(bytes) => memory.write(at, &bytes),
         }
         Ok(())
     }

@@ -7,8 +7,9 @@ use crate::compile::{Compiler, Directory, Known};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
-use crate::run::{ExecutionState, Exit, Fault, FaultAt, Host, STATUS_OVERLAP, STATUS_TIMEOUT, Scan};
+use crate::run::{ExecutionState, Exit, Fault, FaultAt, Host, Memory, STATUS_OVERLAP, STATUS_TIMEOUT, Scan};
 use crate::source::Project;
+use crate::steps;
 
 /// A project in the memory of a controller.
 #[derive(Clone, Debug)]
@@ -64,7 +65,8 @@ pub fn load(project: &Project, directory: &mut dyn Directory) -> Loaded {
     let shared = shared.collect();
     let mut state = ExecutionState::new(std::mem::take(&mut compiler.tags.bytes), &compiler.code);
     (state.objects, state.controls, state.shared) = (compiler.objects, compiler.controls, shared);
-    let code = compiler.code;
+    let mut code = compiler.code;
+    state.memory.set_readers(steps::number(&mut code));
     let mut order: Vec<usize> = (0..code.tasks.len()).collect();
     order.sort_by_key(|place| {
         code.tasks.get(*place).map(|task| {
@@ -117,7 +119,7 @@ impl Cell {
     }
 
     /// The bytes of all tags, to bring the machine's state to them.
-    pub fn memory_mut(&mut self) -> &mut [u8] {
+    pub fn memory_mut(&mut self) -> &mut Memory {
         &mut self.state.memory
     }
 
@@ -136,16 +138,7 @@ impl Cell {
         let Some((at, _)) = self.state.controls.iter().find(|(_, of)| *of == slot).copied() else {
             return;
         };
-        if let Some(place) = self
-            .state
-            .memory
-            .get_mut(at as usize..)
-            .and_then(<[u8]>::first_chunk_mut)
-        {
-            let mut control = MotionControl::from_bytes(*place);
-            change(&mut control);
-            *place = control.to_bytes();
-        }
+        self.state.memory.change_control(at as usize, change);
     }
 
     /// Scans of the continuous task fall in every second to ninth tick, by this seed.

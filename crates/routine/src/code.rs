@@ -346,6 +346,8 @@ pub(crate) struct Reply {
 pub(crate) struct AddOnCall {
     pub(crate) definition: u32,
     pub(crate) instance: Place,
+    /// Bytes of the instance.
+    pub(crate) size: u32,
     /// Copies into parameters, and out of them.
     pub(crate) inputs: Box<[Copy]>,
     pub(crate) outputs: Box<[Copy]>,
@@ -419,6 +421,8 @@ pub(crate) struct Routine {
     pub(crate) program: TextId,
     /// The number of the program; `None`: of an add-on instruction.
     pub(crate) of_program: Option<u32>,
+    /// The number of its first step, a rung or statement; `None`: of an add-on instruction, whose steps have no operands of their own.
+    pub(crate) first_step: Option<u32>,
     pub(crate) body: Body,
 }
 
@@ -434,6 +438,10 @@ pub(crate) struct Rung {
     pub(crate) nodes: Box<[Node]>,
     /// Whether all its instructions are of one known bit, so that they call nothing and cannot fault.
     pub(crate) is_of_bits: bool,
+    /// Whether it can settle.
+    pub(crate) settles: bool,
+    /// Instructions of the routine up to its end.
+    pub(crate) behind: u32,
 }
 
 impl Rung {
@@ -442,6 +450,8 @@ impl Rung {
         Rung {
             number,
             is_of_bits: nodes.iter().all(is_bit),
+            settles: false,
+            behind: 0,
             nodes,
         }
     }
@@ -450,6 +460,8 @@ impl Rung {
 #[derive(Clone, Debug)]
 pub(crate) struct Statement {
     pub(crate) line: u32,
+    /// Whether it can settle.
+    pub(crate) settles: bool,
     pub(crate) action: Action,
 }
 
@@ -575,6 +587,8 @@ pub(crate) struct Code {
     pub(crate) replies: Vec<Reply>,
     pub(crate) wires: Vec<Wire>,
     pub(crate) texts: Vec<String>,
+    /// Whether a routine names a status bit of arithmetic.
+    pub(crate) uses_flags: bool,
 }
 
 impl Task {

@@ -130,7 +130,8 @@ impl<'p> Compiler<'p> {
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
         compiler.findings = findings;
-        compiler.uses_carry = uses_carry(project);
+        compiler.uses_carry = names_status(project, &["S:C"]);
+        compiler.code.uses_flags = names_status(project, &["S:V", "S:Z", "S:N", "S:C"]);
         compiler.motion_objects();
         compiler
     }
@@ -302,6 +303,7 @@ impl<'p> Compiler<'p> {
                 name,
                 program,
                 of_program,
+                first_step: None,
                 body: Body::Ladder(Box::default()),
             });
         }
@@ -473,14 +475,15 @@ impl<'p> Compiler<'p> {
     }
 }
 
-/// Whether a routine of a project names the carry.
-fn uses_carry(project: &Project) -> bool {
-    let has_carry = |text: &str| text.as_bytes().windows(3).any(|word| word.eq_ignore_ascii_case(b"S:C"));
+/// Whether a routine of a project names one of these status bits.
+fn names_status(project: &Project, bits: &[&str]) -> bool {
+    let is_one = |word: &[u8]| bits.iter().any(|bit| word.eq_ignore_ascii_case(bit.as_bytes()));
+    let names_one = |text: &str| text.as_bytes().windows(3).any(is_one);
     let programs = project.programs.iter().flat_map(|one| &one.routines);
     let add_ons = project.instructions.iter().flat_map(|one| &one.routines);
     programs.chain(add_ons).any(|routine| match &routine.content {
-        Content::Ladder(rungs) => rungs.iter().any(|rung| has_carry(&rung.text)),
-        Content::Text(lines) => lines.iter().any(|(_, text)| has_carry(text)),
+        Content::Ladder(rungs) => rungs.iter().any(|rung| names_one(&rung.text)),
+        Content::Text(lines) => lines.iter().any(|(_, text)| names_one(text)),
         Content::Other(_) => false,
     })
 }

@@ -19,10 +19,12 @@ mod listing;
 mod memory;
 mod monitor;
 mod no_machine;
+mod readers;
 pub mod rll;
 mod run;
 pub mod source;
 pub mod st;
+mod steps;
 mod table;
 mod types;
 
@@ -36,7 +38,7 @@ pub use memory::Tag;
 pub use monitor::{Monitor, MonitorSample, MonitoredValue};
 pub use no_machine::NoMachine;
 pub use rll::Rung;
-pub use run::{Fault, Host, Pace};
+pub use run::{Fault, Host, Memory, Pace};
 pub use st::Text;
 
 /// Stack of a thread that loads or scans a project, bytes: routines call one another, and expressions are deep.

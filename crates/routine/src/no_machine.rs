@@ -3,7 +3,7 @@
 use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
 use arcline_tag::TagType;
 
-use crate::{Directory, Host};
+use crate::{Directory, Host, Memory};
 
 /// A machine without motion: it knows no name, executes no instruction, and it is always the same instant there.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,7 +31,7 @@ impl Directory for NoMachine {
 }
 
 impl Host for NoMachine {
-    fn execute(&mut self, _: &Call, _: &mut [u8]) -> MotionControl {
+    fn execute(&mut self, _: &Call, _: &mut Memory) -> MotionControl {
         MotionControl::default()
     }
     fn rung_false(&mut self, _: ControlSlot) {}

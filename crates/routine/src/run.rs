@@ -8,6 +8,7 @@ mod edges;
 mod fault;
 mod files;
 mod ladder;
+mod memory;
 mod motion;
 mod queues;
 mod statements;
@@ -20,6 +21,7 @@ use arcline_instruction_set::{Call, ControlSlot, MotionControl, Object};
 
 pub use fault::Fault;
 pub(crate) use fault::{FaultAt, MAX_FAULTS};
+pub use memory::Memory;
 pub(crate) use value::Number;
 
 use crate::code::{Code, Sizes, TextId, Transfer};
@@ -27,7 +29,7 @@ use crate::code::{Code, Sizes, TextId, Transfer};
 /// The machine and the controller around routines.
 pub trait Host {
     /// Executes an instruction of motion; brings the changes of axes and coordinate systems on its acceptance to the memory.
-    fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl;
+    fn execute(&mut self, call: &Call, memory: &mut Memory) -> MotionControl;
     /// The rung condition of the instruction with this motion control tag is false.
     fn rung_false(&mut self, slot: ControlSlot);
     /// Reads an attribute of a motion object.
@@ -39,11 +41,11 @@ pub trait Host {
     /// A run of a task begins, whose longest time is this, µs; 0: that of the controller.
     fn begin_task(&mut self, _watchdog_us: i32) {}
     /// The inputs of modules have come to the memory, before the first rung of a tick.
-    fn inputs_latched(&mut self, _memory: &mut [u8]) {}
+    fn inputs_latched(&mut self, _memory: &mut Memory) {}
     /// A wire gives an input of an axis a value.
     fn axis_input(&mut self, _number: u32, _on: bool) {}
     /// Between two rungs or statements: writes of clients come to the memory here.
-    fn between(&mut self, _memory: &mut [u8]) -> Pace {
+    fn between(&mut self, _memory: &mut Memory) -> Pace {
         Pace::InTime
     }
 }
@@ -77,7 +79,9 @@ pub(crate) type Run<T> = Result<T, Exit>;
 /// The state of execution: flags, time, the call stack.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ExecutionState {
-    pub(crate) memory: Vec<u8>,
+    pub(crate) memory: Memory,
+    /// Whether the present step has done something other than writes to the memory, or depends on the time: it does not settle.
+    pub(crate) is_restless: bool,
     /// Bases of add-on instructions that run, and the first one of the innermost.
     bases: Vec<Base>,
     frame: usize,
@@ -191,7 +195,7 @@ struct Cursor {
 impl ExecutionState {
     pub(crate) fn new(memory: Vec<u8>, code: &Code) -> Self {
         ExecutionState {
-            memory,
+            memory: Memory::new(memory),
             bases: Vec::with_capacity(MAX_BASES),
             path: Vec::with_capacity(MAX_CALLS + 1),
             faults: Vec::with_capacity(MAX_FAULTS),

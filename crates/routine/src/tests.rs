@@ -11,6 +11,7 @@ mod monitored;
 mod motion;
 mod projects;
 mod refused;
+mod settled;
 mod status;
 mod texts;
 mod unfit;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use arcline_cell::{Placed, Places};
 use arcline_controller::image::{ChangedPart, ForeignChanges, Image, TagId};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Mnemonic, MotionControl, MotionError, TagAddress};
-use arcline_routine::{Cell, Host, Pace};
+use arcline_routine::{Cell, Host, Memory, Pace};
 use time::OffsetDateTime;
 
 use crate::plant::{ANSWER_WITHIN, Command, Outcome, Plant, Principal, Program};
@@ -70,7 +70,7 @@ impl LiveHost {
     }
 
     /// Takes the changes of the clients and shows those of the program: from now on both memories are the same. Returns the tick.
-    pub(super) fn exchange(&mut self, memory: &mut [u8]) -> u64 {
+    pub(super) fn exchange(&mut self, memory: &mut Memory) -> u64 {
         let Self {
             places,
             controls,
@@ -98,7 +98,7 @@ impl LiveHost {
     }
 
     /// Puts forced values over those of the inputs. Without forces this reads one number.
-    fn force(&mut self, memory: &mut [u8]) {
+    fn force(&mut self, memory: &mut Memory) {
         let changes = self.program.forces.changes();
         if changes != self.forces {
             self.forces = changes;
@@ -126,7 +126,7 @@ impl LiveHost {
     }
 
     /// Takes the changes of the clients, between two rungs.
-    fn take(&mut self, memory: &mut [u8]) {
+    fn take(&mut self, memory: &mut Memory) {
         let Self {
             places,
             controls,
@@ -142,7 +142,7 @@ impl LiveHost {
     }
 
     /// Takes the tags that an instruction names as a whole: it may have written to them.
-    fn take_arguments(&mut self, call: &Call, memory: &mut [u8]) {
+    fn take_arguments(&mut self, call: &Call, memory: &mut Memory) {
         let tags = call.arguments.iter().filter_map(|argument| match argument {
             Argument::Tag(address) => Some(address),
             Argument::Written(array) => Some(&array.tag),
@@ -192,25 +192,24 @@ struct Forced {
 
 impl Forced {
     /// Puts the values over those of the input, which are remembered.
-    fn apply(&mut self, memory: &mut [u8]) {
-        let places = memory.iter_mut().skip(self.at);
-        for ((place, (mask, value)), given) in places.zip(&self.bytes).zip(&mut self.given) {
-            if self.is_new || *place & mask != *value {
-                *given = *place & mask;
+    fn apply(&mut self, memory: &mut Memory) {
+        for ((at, (mask, value)), given) in (self.at..).zip(&self.bytes).zip(&mut self.given) {
+            let present = memory.get(at).map_or(0, |byte| byte & mask);
+            if self.is_new || present != *value {
+                *given = present;
             }
-            *place = *place & !mask | value;
+            memory.put_bits(at, *mask, *value);
         }
         self.is_new = false;
     }
 
     /// Gives the input its own values back.
-    fn release(&self, memory: &mut [u8]) {
+    fn release(&self, memory: &mut Memory) {
         if self.is_new {
             return;
         }
-        let places = memory.iter_mut().skip(self.at);
-        for ((place, (mask, _)), given) in places.zip(&self.bytes).zip(&self.given) {
-            *place = *place & !mask | given;
+        for ((at, (mask, _)), given) in (self.at..).zip(&self.bytes).zip(&self.given) {
+            memory.put_bits(at, *mask, *given);
         }
     }
 }
@@ -218,7 +217,7 @@ impl Forced {
 /// Both memories during an exchange.
 struct Both<'a> {
     image: &'a mut Image,
-    memory: &'a mut [u8],
+    memory: &'a mut Memory,
     shown: &'a mut Vec<u8>,
 }
 
@@ -241,12 +240,8 @@ impl Both<'_> {
             }
         }
         for event in foreign.events.iter().filter(|event| event.owner) {
-            let place = controls.get(&event.control.0);
-            let place = place.and_then(|at| self.memory.get_mut(*at..)?.first_chunk_mut());
-            if let Some(place) = place {
-                let mut control = MotionControl::from_bytes(*place);
-                event.apply(&mut control);
-                *place = control.to_bytes();
+            if let Some(at) = controls.get(&event.control.0) {
+                self.memory.change_control(*at, |control| event.apply(control));
             }
         }
     }
@@ -255,30 +250,29 @@ impl Both<'_> {
         let bytes = self.image.bytes(part.tag);
         let bytes = bytes.get(part.offset..).unwrap_or_default();
         let at = from + part.offset;
-        for memory in [&mut *self.memory, self.shown.as_mut_slice()] {
-            for (place, byte) in memory.iter_mut().skip(at).zip(bytes.iter().take(part.length)) {
-                *place = *place & !part.mask | byte & part.mask;
-            }
+        let places = self.shown.iter_mut().skip(at).zip(at..);
+        for ((shown, at), byte) in places.zip(bytes.iter().take(part.length)) {
+            *shown = *shown & !part.mask | byte & part.mask;
+            self.memory.put_bits(at, part.mask, *byte);
         }
     }
 
     /// Takes the bytes that differ from those that were shown.
     fn take_differences(&mut self, tag: Placed) {
         let bytes = self.image.bytes(tag.id).iter();
-        let both = self.memory.iter_mut().zip(self.shown.iter_mut()).skip(tag.from);
-        for (byte, (place, shown)) in bytes.zip(both) {
+        for (byte, (shown, at)) in bytes.zip(self.shown.iter_mut().skip(tag.from).zip(tag.from..)) {
             if byte != shown {
-                (*place, *shown) = (*byte, *byte);
+                *shown = *byte;
+                self.memory.put_bits(at, 0xFF, *byte);
             }
         }
     }
 
     fn take_whole(&mut self, id: TagId, from: usize) {
         let bytes = self.image.bytes(id);
-        for memory in [&mut *self.memory, self.shown.as_mut_slice()] {
-            if let Some(place) = memory.get_mut(from..from + bytes.len()) {
-                place.copy_from_slice(bytes);
-            }
+        self.memory.write(from, bytes);
+        if let Some(shown) = self.shown.get_mut(from..from + bytes.len()) {
+            shown.copy_from_slice(bytes);
         }
     }
 
@@ -293,7 +287,7 @@ impl Both<'_> {
 }
 
 impl Host for LiveHost {
-    fn execute(&mut self, call: &Call, memory: &mut [u8]) -> MotionControl {
+    fn execute(&mut self, call: &Call, memory: &mut Memory) -> MotionControl {
         // Operands in tags go to the machine.
         self.exchange(memory);
         self.executed.insert(call.control.0, call.mnemonic);
@@ -360,7 +354,7 @@ impl Host for LiveHost {
     }
 
     /// Forces stay above wires.
-    fn inputs_latched(&mut self, memory: &mut [u8]) {
+    fn inputs_latched(&mut self, memory: &mut Memory) {
         self.force(memory);
     }
 
@@ -373,7 +367,7 @@ impl Host for LiveHost {
         self.unseen = LOOK_EVERY;
     }
 
-    fn between(&mut self, memory: &mut [u8]) -> Pace {
+    fn between(&mut self, memory: &mut Memory) -> Pace {
         if self.plant.has_foreign_changes() {
             self.take(memory);
         }

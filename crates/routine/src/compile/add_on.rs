@@ -117,6 +117,7 @@ impl Compiler<'_> {
         Ok(Some(AddOnCall {
             definition: number as u32,
             instance: area.place,
+            size: area.size,
             inputs: inputs.into(),
             outputs: outputs.into(),
             references: references.into(),

@@ -35,6 +35,7 @@ impl Compiler<'_> {
                     name,
                     program: of,
                     of_program: u32::try_from(number).ok(),
+                    first_step: None,
                     body: Body::Ladder(rungs.into()),
                 });
                 if let Some(program) = self.code.programs.get_mut(number) {

@@ -17,7 +17,11 @@ impl Compiler<'_> {
             let line = lines.number(statement.at);
             self.set_line(Line::Text(line));
             match self.statement(statement, lines) {
-                Ok(Some(action)) => compiled.push(Statement { line, action }),
+                Ok(Some(action)) => compiled.push(Statement {
+                    line,
+                    settles: false,
+                    action,
+                }),
                 Ok(None) => {}
                 Err(reason) => {
                     self.set_line(Line::Text(line));

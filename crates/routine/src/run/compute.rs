@@ -231,9 +231,8 @@ impl Scan<'_> {
                     Number::Real(value) => u64::from((value as f32).to_bits()).to_le_bytes(),
                 };
                 let to = (range.at + count * size) as usize;
-                let target = self.s.memory.get_mut(range.at as usize..to).unwrap_or_default();
-                for (byte, of) in target.iter_mut().zip(bytes.iter().take(width).cycle()) {
-                    *byte = *of;
+                for (at, byte) in (range.at as usize..to).zip(bytes.iter().take(width).cycle()) {
+                    self.s.memory.put(at, [*byte]);
                 }
                 Ok(())
             }

@@ -89,6 +89,7 @@ impl Scan<'_> {
 
     /// Notes the time of this scan in a timer.
     fn stamp(&mut self, at: u32) {
+        self.s.is_restless = true;
         let word = self.dint(at) & !LAST;
         self.put_dint(at, word | (self.s.now_ms as i32 & LAST));
     }

@@ -109,6 +109,7 @@ impl Scan<'_> {
     /// A major fault with an operand at fault.
     pub(crate) fn fault(&mut self, kind: u16, code: u16, operand: Option<(TextId, i64)>) -> Exit {
         self.s.is_handled = false;
+        self.s.is_restless = true;
         self.s.fault = Some(FaultAt {
             kind,
             code,
@@ -129,6 +130,7 @@ impl Scan<'_> {
     /// A minor fault of type 4: its bit, and S:MINOR.
     pub(crate) fn minor(&mut self) {
         self.s.minor = true;
+        self.s.is_restless = true;
         self.s.minor_bits |= 1 << 4;
         let [minor, _] = &mut self.s.events;
         *minor = minor.saturating_add(1);
@@ -205,6 +207,7 @@ impl Scan<'_> {
             if cleared {
                 self.s.fault = None;
                 self.s.routine = routine_of(fault);
+                self.s.is_restless = true;
                 return true;
             }
         }

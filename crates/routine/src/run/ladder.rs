@@ -1,8 +1,9 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
 use super::Number;
-use super::{Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
-use crate::code::{Argument, Body, Instruction, Node, Rung, Transfer};
+use super::{BUDGET, Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
+use crate::NoMachine;
+use crate::code::{Argument, Body, Instruction, Node, Rung, Statement, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -20,15 +21,15 @@ impl<'s> Scan<'s> {
         self.s.depth += 1;
         let ran = match &routine.body {
             Body::Ladder(rungs) => match self.s.traces.iter().position(|trace| trace.routine == number) {
-                None => self.rungs::<false>(rungs),
+                None => self.rungs::<false>(rungs, routine.first_step),
                 Some(trace) => {
                     let outer = std::mem::replace(&mut self.s.trace, Cursor { trace, bit: 0 });
-                    let ran = self.rungs::<true>(rungs);
+                    let ran = self.rungs::<true>(rungs, routine.first_step);
                     self.s.trace = outer;
                     ran
                 }
             },
-            Body::Text(statements) => self.statements(statements),
+            Body::Text(statements) => self.text_routine(statements, routine.first_step),
         };
         self.s.depth -= 1;
         match ran {
@@ -43,14 +44,33 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    /// The rungs of a routine; `TRACED`: a viewer watches their power flow.
-    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [Rung]) -> Run<()> {
+    /// The rungs of a routine from its first step on; `TRACED`: a viewer watches their power flow. Settled ones are passed over.
+    fn rungs<const TRACED: bool>(&mut self, rungs: &'s [Rung], first_step: Option<u32>) -> Run<()> {
         let mut next = 0;
         while let Some(rung) = rungs.get(next) {
             self.s.line = rung.number;
+            let step = first_step.map(|first| first + next as u32);
+            let settled = if TRACED {
+                0
+            } else {
+                self.settled(step, rungs.len() - next)
+            };
+            if settled > 0 {
+                let over = rungs.get(next..next + settled).unwrap_or_default();
+                self.check_settled(over, &[]);
+                let before = next.checked_sub(1).and_then(|before| rungs.get(before));
+                let before = before.map_or(0, |rung| rung.behind);
+                next += settled;
+                let instructions = over.last().map_or(0, |rung| rung.behind - before);
+                match self.spend(instructions as usize).and_then(|()| self.pass()) {
+                    Err(Exit::Fault) if self.recovers() => {}
+                    passed => passed?,
+                }
+                continue;
+            }
             if !TRACED && rung.is_of_bits {
                 let end = (next + TOGETHER).min(rungs.len());
-                next += self.bits(rungs.get(next..end).unwrap_or_default());
+                next += self.bits(rungs.get(next..end).unwrap_or_default(), step);
                 match self.spend(0).and_then(|()| self.pass()) {
                     Err(Exit::Fault) if self.recovers() => {}
                     passed => passed?,
@@ -64,12 +84,16 @@ impl<'s> Scan<'s> {
                 }
                 passed => passed?,
             }
-            let power = !self.s.prescan && !self.s.zone;
+            let power = self.has_power();
             if TRACED {
                 self.s.trace_rung(next, power);
             }
+            let changes = self.begin_step(rung.settles);
             match self.nodes::<TRACED>(&rung.nodes, power) {
-                Ok(_) => next += 1,
+                Ok(_) => {
+                    self.end_step(rung.settles, step, changes);
+                    next += 1;
+                }
                 Err(Exit::Jump(rung)) => next = rung as usize,
                 Err(Exit::Return) => return Ok(()),
                 Err(exit) => return Err(exit),
@@ -78,12 +102,76 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    /// Runs the rungs at the beginning of these that have instructions of one bit only; returns how many they are.
-    fn bits(&mut self, rungs: &'s [Rung]) -> usize {
-        let on = !self.s.prescan && !self.s.zone;
-        let memory = self.s.memory.as_mut_slice();
+    /// The number of settled steps from one on, of so many. Nothing is settled where rungs have no power.
+    pub(crate) fn settled(&self, step: Option<u32>, most: usize) -> usize {
+        match step {
+            Some(step) if self.has_power() => self.s.memory.settled(step, step + most as u32) as usize,
+            _ => 0,
+        }
+    }
+
+    /// A rung begins with power: it is no prescan, and no zone is off.
+    fn has_power(&self) -> bool {
+        !self.s.prescan && !self.s.zone
+    }
+
+    /// Before a step that can settle; returns the number of changes of the memory.
+    pub(crate) fn begin_step(&mut self, settles: bool) -> u64 {
+        self.s.is_restless &= !settles;
+        self.s.memory.changes()
+    }
+
+    /// Behind a step: it settles if it has changed nothing.
+    pub(crate) fn end_step(&mut self, settles: bool, step: Option<u32>, changes: u64) {
+        if settles
+            && let Some(step) = step
+            && self.has_power()
+            && !self.s.is_restless
+            && self.s.memory.changes() == changes
+        {
+            self.s.memory.settle(step);
+        }
+    }
+
+    /// Executes settled steps in a debug build: they must change nothing.
+    pub(crate) fn check_settled(&mut self, rungs: &[Rung], statements: &[Statement]) {
+        if !cfg!(debug_assertions) {
+            return;
+        }
+        let (changes, budget) = (self.s.memory.changes(), self.s.budget);
+        let (instruction, line) = (self.s.instruction, self.s.line);
+        let flags = (self.s.overflow, self.s.zero, self.s.negative, self.s.carry);
+        (self.s.is_restless, self.s.budget) = (false, BUDGET);
+        let mut scan = Scan {
+            code: self.code,
+            s: &mut *self.s,
+            host: &mut NoMachine,
+            caller: None,
+        };
+        let executed = rungs
+            .iter()
+            .try_for_each(|rung| scan.nodes::<false>(&rung.nodes, true).map(|_| ()))
+            .and_then(|()| scan.statements(statements));
+        debug_assert!(
+            executed.is_ok() && !self.s.is_restless && self.s.memory.changes() == changes,
+            "a settled step from line {line} on changes something"
+        );
+        (self.s.budget, self.s.instruction, self.s.line) = (budget, instruction, line);
+        (self.s.overflow, self.s.zero, self.s.negative, self.s.carry) = flags;
+    }
+
+    /// Runs the rungs at the beginning of these that have instructions of one bit only, up to a settled one; returns how many they are.
+    fn bits(&mut self, rungs: &'s [Rung], step: Option<u32>) -> usize {
+        let on = self.has_power();
+        let step = step.filter(|_| on);
+        let memory = &mut self.s.memory;
         let (mut count, mut instructions) = (0, 0);
         for rung in rungs.iter().take_while(|rung| rung.is_of_bits) {
+            let step = step.filter(|_| rung.settles).map(|step| step + count as u32);
+            if step.is_some_and(|step| count > 0 && memory.settled(step, step + 1) > 0) {
+                break;
+            }
+            let changes = memory.changes();
             let mut power = on;
             for node in &rung.nodes {
                 let (Node::Xic(at, mask)
@@ -94,16 +182,23 @@ impl<'s> Scan<'s> {
                 else {
                     break;
                 };
-                let Some(byte) = memory.get_mut(*at as usize) else {
+                let at = *at as usize;
+                let Some(byte) = memory.get(at) else {
                     break;
                 };
                 match node {
                     Node::Xic(..) => power &= *byte & mask != 0,
                     Node::Xio(..) => power &= *byte & mask == 0,
-                    Node::Ote(..) => *byte = *byte & !mask | if power { *mask } else { 0 },
-                    Node::Otl(..) => *byte |= if power { *mask } else { 0 },
-                    _ => *byte &= if power { !*mask } else { 0xFF },
+                    Node::Ote(..) => memory.set(at, *mask, power),
+                    Node::Otl(..) if power => memory.set(at, *mask, true),
+                    Node::Otu(..) if power => memory.set(at, *mask, false),
+                    _ => {}
                 }
+            }
+            if let Some(step) = step
+                && memory.changes() == changes
+            {
+                memory.settle(step);
             }
             count += 1;
             instructions += rung.nodes.len() + 1;
@@ -209,6 +304,7 @@ impl<'s> Scan<'s> {
             }
             (Op::Afi, _) => Ok(false),
             (Op::Event, [Argument::Task(task)]) if power => {
+                self.s.is_restless = true;
                 if let Some(triggered) = self.s.triggered.get_mut(*task as usize) {
                     *triggered = true;
                 }
@@ -294,6 +390,7 @@ impl<'s> Scan<'s> {
         let outer = self.caller.replace(transfer);
         let ran = self.routine(transfer.routine);
         self.caller = outer;
+        self.s.is_restless = true;
         ran
     }
 
@@ -327,9 +424,12 @@ impl<'s> Scan<'s> {
             self.argument_whole(by)?,
         );
         self.assign(index, Number::Whole(value))?;
+        self.s.is_restless = true;
         while if by >= 0 { value <= to } else { value >= to } {
             self.spend(1)?;
-            match self.routine(routine) {
+            let ran = self.routine(routine);
+            self.s.is_restless = true;
+            match ran {
                 Ok(()) => {}
                 Err(Exit::Break) => return Ok(()),
                 Err(exit) => return Err(exit),
@@ -378,7 +478,7 @@ impl<'s> Scan<'s> {
         if from + count > length || to + count > length {
             return Err(self.outside());
         }
-        self.s.memory.copy_within(from..from + count, to);
+        self.s.memory.copy(from, to, count);
         Ok(())
     }
 }

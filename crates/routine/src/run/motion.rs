@@ -27,6 +27,7 @@ impl Scan<'_> {
         if flags & Flag::En.mask() != 0 {
             return Ok(());
         }
+        self.s.is_restless = true;
         self.s.executions += 1;
         if self.s.executions > MAX_EXECUTIONS {
             return Err(self.fault(6, 1, None));
@@ -58,6 +59,7 @@ impl Scan<'_> {
             return;
         }
         if let Some(slot) = self.slot(at) {
+            self.s.is_restless = true;
             self.host.rung_false(slot);
         }
         if flags & (Flag::Dn.mask() | Flag::Er.mask()) != 0 {

@@ -95,9 +95,7 @@ impl Scan<'_> {
                     self.copy_bytes(range.at + size, range.at, (position as u32 - 1) * size)?;
                 }
                 let last = (range.at + (position as u32 - 1) * array.size) as usize;
-                if let Some(bytes) = self.s.memory.get_mut(last..last + array.size as usize) {
-                    bytes.fill(0);
-                }
+                self.s.memory.fill(last..last + array.size as usize, 0);
                 self.put_dint(at + 8, position - 1);
             }
         }
@@ -158,9 +156,7 @@ impl Scan<'_> {
             return Err(self.unknown());
         };
         let from = self.address(&to.place)? as usize;
-        if let Some(bytes) = self.s.memory.get_mut(from..from + to.size as usize) {
-            bytes.fill(0);
-        }
+        self.s.memory.fill(from..from + to.size as usize, 0);
         Ok(())
     }
 

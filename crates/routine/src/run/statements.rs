@@ -6,19 +6,48 @@ use crate::code::{Action, Argument, Instruction, Loop, Statement, TextPart};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
-    pub(crate) fn statements(&mut self, statements: &'s [Statement]) -> Run<()> {
-        for statement in statements {
+    /// The statements of a routine from its first step on. Settled ones are passed over.
+    pub(crate) fn text_routine(&mut self, statements: &'s [Statement], first_step: Option<u32>) -> Run<()> {
+        let mut next = 0;
+        while let Some(statement) = statements.get(next) {
             self.s.line = statement.line;
-            match self
-                .spend(1)
-                .and_then(|()| self.pass())
-                .and_then(|()| self.statement(statement))
-            {
-                Err(Exit::Fault) if self.recovers() => {}
-                done => done?,
+            let step = first_step.map(|first| first + next as u32);
+            let settled = self.settled(step, statements.len() - next);
+            if settled > 0 {
+                let over = statements.get(next..next + settled).unwrap_or_default();
+                self.check_settled(&[], over);
+                next += settled;
+                match self.spend(settled).and_then(|()| self.pass()) {
+                    Err(Exit::Fault) if self.recovers() => {}
+                    passed => passed?,
+                }
+                continue;
             }
+            let changes = self.begin_step(statement.settles);
+            self.statement_of_scan(statement)?;
+            self.end_step(statement.settles, step, changes);
+            next += 1;
         }
         Ok(())
+    }
+
+    pub(crate) fn statements(&mut self, statements: &'s [Statement]) -> Run<()> {
+        statements
+            .iter()
+            .try_for_each(|statement| self.statement_of_scan(statement))
+    }
+
+    /// Executes a statement, after the writes of clients, and handles its fault.
+    fn statement_of_scan(&mut self, statement: &'s Statement) -> Run<()> {
+        self.s.line = statement.line;
+        match self
+            .spend(1)
+            .and_then(|()| self.pass())
+            .and_then(|()| self.statement(statement))
+        {
+            Err(Exit::Fault) if self.recovers() => Ok(()),
+            done => done,
+        }
     }
 
     fn statement(&mut self, statement: &'s Statement) -> Run<()> {
@@ -119,9 +148,7 @@ impl<'s> Scan<'s> {
                 } else {
                     range.at + area.size
                 };
-                if let Some(bytes) = self.s.memory.get_mut(range.at as usize..end as usize) {
-                    bytes.fill(0);
-                }
+                self.s.memory.fill(range.at as usize..end as usize, 0);
                 Ok(())
             }
             to => self.assign(to, Number::Whole(0)),

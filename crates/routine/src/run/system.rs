@@ -24,6 +24,7 @@ const TIMEOUT: u64 = 30_000_000_000;
 
 impl Scan<'_> {
     pub(crate) fn system(&mut self, op: Op, system: &System) -> Run<()> {
+        self.s.is_restless = true;
         let range = self.range(&system.area)?;
         // An attribute goes into the destination, and beyond it in its array.
         let end = if system.area.length > 1 {
@@ -91,10 +92,9 @@ impl Scan<'_> {
         };
         self.fits(size, room);
         let size = size.min(room);
-        let (from, to) = (range.at as usize, range.at as usize + size);
-        if let (Some(place), Some(bytes)) = (self.s.memory.get_mut(from..to), value.get(..size)) {
-            place.copy_from_slice(bytes);
-        }
+        self.s
+            .memory
+            .write(range.at as usize, value.get(..size).unwrap_or_default());
         Ok(())
     }
 
@@ -272,10 +272,9 @@ impl Scan<'_> {
         let Some(range) = range else { return 0 };
         let room = range.end.max(range.array_end).saturating_sub(range.at) as usize;
         let length = reply.data.len().min(room);
-        let at = range.at as usize;
-        if let (Some(place), Some(data)) = (self.s.memory.get_mut(at..at + length), reply.data.get(..length)) {
-            place.copy_from_slice(data);
-        }
+        self.s
+            .memory
+            .write(range.at as usize, reply.data.get(..length).unwrap_or_default());
         u16::try_from(length).unwrap_or(u16::MAX)
     }
 }

@@ -179,9 +179,9 @@ impl Scan<'_> {
         let at = self.address(place)?;
         let length = buffer.length.min(*capacity as usize);
         let from = (at + data) as usize;
-        if let (Some(place), Some(text)) = (self.s.memory.get_mut(from..from + length), buffer.bytes.get(..length)) {
-            place.copy_from_slice(text);
-        }
+        self.s
+            .memory
+            .write(from, buffer.bytes.get(..length).unwrap_or_default());
         self.put_dint(at, length as i32);
         self.begin_arithmetic();
         if length < buffer.length || buffer.is_cut {

@@ -100,9 +100,7 @@ impl Scan<'_> {
     }
 
     pub(crate) fn put<const N: usize>(&mut self, at: u32, bytes: [u8; N]) {
-        if let Some(place) = self.s.memory.get_mut(at as usize..).and_then(<[u8]>::first_chunk_mut) {
-            *place = bytes;
-        }
+        self.s.memory.put(at as usize, bytes);
     }
 
     pub(crate) fn dint(&self, at: u32) -> i32 {
@@ -118,9 +116,7 @@ impl Scan<'_> {
     }
 
     pub(crate) fn set(&mut self, at: u32, mask: u8, on: bool) {
-        if let Some(byte) = self.s.memory.get_mut(at as usize) {
-            *byte = if on { *byte | mask } else { *byte & !mask };
-        }
+        self.s.memory.set(at as usize, mask, on);
     }
 
     /// Byte and mask of a bit.

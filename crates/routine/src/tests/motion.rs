@@ -5,6 +5,7 @@ use arcline_tag::TagType;
 
 use super::projects::{add_on, parameter};
 use super::{project, routine, tags};
+use crate::Memory;
 use crate::source::{Datum, MemberSource, Project, TaskSource, Trigger, TypeSource, Usage};
 use crate::{Cell, Directory, Fault, Host, load};
 
@@ -15,7 +16,7 @@ pub(super) struct Machine {
     slots: Vec<String>,
     pub(super) calls: Vec<Call>,
     /// Slots whose rung was false.
-    falses: Vec<u32>,
+    pub(super) falses: Vec<u32>,
     /// The answer to each call; none is EN, DN and IP.
     answer: Option<MotionControl>,
     /// The values that wires passed to inputs of axes.
@@ -61,7 +62,7 @@ impl Directory for Machine {
 }
 
 impl Host for Machine {
-    fn execute(&mut self, call: &Call, _: &mut [u8]) -> MotionControl {
+    fn execute(&mut self, call: &Call, _: &mut Memory) -> MotionControl {
         self.calls.push(*call);
         let mut moving = MotionControl::default();
         [Flag::En, Flag::Dn, Flag::Ip]
@@ -84,11 +85,9 @@ impl Host for Machine {
     fn axis_input(&mut self, number: u32, on: bool) {
         self.inputs.push((number, on));
     }
-    fn inputs_latched(&mut self, memory: &mut [u8]) {
-        if let Some((at, value)) = self.forced
-            && let Some(byte) = memory.get_mut(at)
-        {
-            *byte = value;
+    fn inputs_latched(&mut self, memory: &mut Memory) {
+        if let Some((at, value)) = self.forced {
+            memory.put_bits(at, 0xFF, value);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{NoMachine, expect, project, routine, script, started, tags};
 use crate::source::{Datum, InstructionSource, MemberSource, ParameterSource, Project, TaskSource, Trigger, Usage};
 
-fn member(name: &str, data_type: &str) -> MemberSource {
+pub(super) fn member(name: &str, data_type: &str) -> MemberSource {
     MemberSource {
         name: name.to_owned(),
         data_type: data_type.to_owned(),

@@ -1,0 +1,164 @@
+//! The bytes of all tags, and the steps whose execution would change none of them.
+//!
+//! A step is a rung or a statement of a program's routine. One that was executed without any change of the memory, and whose result depends on the
+//! memory alone, would change nothing the next time either, until another value stands in its operands: it is *settled*, and the scan passes over it.
+//! So a scan costs what has changed. Every write goes through here, since it ends the rest of the steps that have these bytes among their operands.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use arcline_instruction_set::MotionControl;
+
+use crate::readers::{Readers, WORD};
+
+/// The bytes of all tags of a project; a tag begins at [`Tag::at`](crate::Tag::at). It is read as a slice. Writes outside of it do nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    bytes: Vec<u8>,
+    readers: Arc<Readers>,
+    /// A bit for each step.
+    settled: Vec<u64>,
+    /// Writes that have changed a byte.
+    changes: u64,
+}
+
+impl Deref for Memory {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+impl Memory {
+    pub(crate) fn new(bytes: Vec<u8>) -> Self {
+        Memory {
+            bytes,
+            ..Memory::default()
+        }
+    }
+
+    /// Takes the readers of a project's steps; none is settled.
+    pub(crate) fn set_readers(&mut self, readers: Readers) {
+        self.settled = vec![0; (readers.steps as usize).div_ceil(64)];
+        self.readers = Arc::new(readers);
+    }
+
+    /// Writes that have changed a byte so far.
+    pub(crate) fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    /// Writes some bytes.
+    pub(crate) fn put<const N: usize>(&mut self, at: usize, new: [u8; N]) {
+        let place = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut);
+        let Some(place) = place else { return };
+        let old = std::mem::replace(place, new);
+        if old != new {
+            self.changed(at, &old, &new);
+        }
+    }
+
+    /// Writes the bits of a mask: of a byte those of the value, or others with the value of all.
+    pub fn put_bits(&mut self, at: usize, mask: u8, value: u8) {
+        if let Some(old) = self.bytes.get(at).copied() {
+            self.put(at, [old & !mask | value & mask]);
+        }
+    }
+
+    /// Sets or clears the bits of a mask.
+    pub(crate) fn set(&mut self, at: usize, mask: u8, on: bool) {
+        self.put_bits(at, mask, if on { mask } else { 0 });
+    }
+
+    /// Writes bytes; none, if they do not fit.
+    pub fn write(&mut self, at: usize, new: &[u8]) {
+        let Some(place) = self.bytes.get_mut(at..at.saturating_add(new.len())) else {
+            return;
+        };
+        if place == new {
+            return;
+        }
+        // By words, so that what is equal between two differences ends no rest.
+        for (number, part) in new.chunks(WORD).enumerate() {
+            let at = at + number * WORD;
+            match <[u8; WORD]>::try_from(part) {
+                Ok(part) => self.put(at, part),
+                Err(_) => part.iter().zip(at..).for_each(|(byte, at)| self.put(at, [*byte])),
+            }
+        }
+    }
+
+    /// Writes the same byte to a range.
+    pub(crate) fn fill(&mut self, range: std::ops::Range<usize>, byte: u8) {
+        range.for_each(|at| self.put(at, [byte]));
+    }
+
+    /// Changes a motion control tag.
+    pub fn change_control(&mut self, at: usize, change: impl FnOnce(&mut MotionControl)) {
+        let Some(bytes) = self.bytes.get(at..).and_then(<[u8]>::first_chunk) else {
+            return;
+        };
+        let mut control = MotionControl::from_bytes(*bytes);
+        change(&mut control);
+        self.put(at, control.to_bytes());
+    }
+
+    /// Copies bytes; the ranges may overlap. Both must lie within the memory.
+    pub(crate) fn copy(&mut self, from: usize, to: usize, count: usize) {
+        if self.bytes.get(from..from + count) == self.bytes.get(to..to + count) {
+            return;
+        }
+        self.bytes.copy_within(from..from + count, to);
+        self.changes += 1;
+        for word in to / WORD..(to + count).div_ceil(WORD) {
+            self.unsettle(word, u32::MAX);
+        }
+    }
+
+    /// Some of these bytes have changed.
+    fn changed(&mut self, at: usize, old: &[u8], new: &[u8]) {
+        self.changes += 1;
+        let (mut word, mut bits) = (at / WORD, 0);
+        for ((old, new), at) in old.iter().zip(new).zip(at..) {
+            if at / WORD != word {
+                self.unsettle(word, bits);
+                (word, bits) = (at / WORD, 0);
+            }
+            bits |= u32::from(old ^ new) << (8 * (at % WORD));
+        }
+        self.unsettle(word, bits);
+    }
+
+    /// Ends the rest of the steps that have one of these bits among their operands.
+    fn unsettle(&mut self, word: usize, bits: u32) {
+        for reader in self.readers.of(word) {
+            if reader.bits & bits != 0
+                && let Some(settled) = self.settled.get_mut(reader.step as usize / 64)
+            {
+                *settled &= !(1 << (reader.step % 64));
+            }
+        }
+    }
+
+    /// A step would change nothing.
+    pub(crate) fn settle(&mut self, step: u32) {
+        if let Some(settled) = self.settled.get_mut(step as usize / 64) {
+            *settled |= 1 << (step % 64);
+        }
+    }
+
+    /// The number of settled steps from one on, below another.
+    pub(crate) fn settled(&self, from: u32, to: u32) -> u32 {
+        let mut step = from;
+        while step < to {
+            let word = self.settled.get(step as usize / 64).copied().unwrap_or_default();
+            let ones = (word >> (step % 64)).trailing_ones();
+            step += ones;
+            if !step.is_multiple_of(64) || ones == 0 {
+                break;
+            }
+        }
+        step.min(to) - from
+    }
+}

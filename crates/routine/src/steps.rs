@@ -1,0 +1,371 @@
+//! The steps of a project that can settle (see [`crate::run::Memory`]): rungs and statements of programs whose result depends on the memory alone,
+//! and their operands. Any other is executed in each scan: what calls a routine, reads an attribute or leaves the rung with a true condition, what reads a
+//! status bit or sends messages, and timers of Structured Text, which read the time in each scan. In a project that names the status bits of arithmetic (S:V, S:Z, S:N, S:C) no step settles, as
+//! each result of another step stands in them.
+
+use arcline_instruction_set::MotionControl;
+use arcline_tag::Elementary;
+
+use crate::code::{
+    Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, Ex, Index, Instruction, Node, Place, Referenced,
+    Select, Statement, TextPart,
+};
+use crate::readers::{Collector, Operands, Readers};
+use crate::table::Op;
+
+/// Numbers the steps of all programs, and finds the readers of the memory.
+pub(crate) fn number(code: &mut Code) -> Readers {
+    let mut collector = Collector::default();
+    let mut first = Vec::with_capacity(code.routines.len());
+    let mut settling = Vec::new();
+    for routine in &code.routines {
+        let count = match &routine.body {
+            Body::Ladder(rungs) => rungs.len(),
+            Body::Text(statements) => statements.len(),
+        };
+        // The places of an add-on instruction are those of its calls.
+        if routine.of_program.is_none() {
+            first.push(None);
+            continue;
+        }
+        let of_routine = collector.add_steps(count);
+        first.push(Some(of_routine));
+        for (number, step) in (0..count).zip(of_routine..) {
+            let mut finder = Finder {
+                code,
+                depth: 0,
+                found: Vec::new(),
+            };
+            let depends_on_memory = match &routine.body {
+                Body::Ladder(rungs) => rungs.get(number).and_then(|rung| finder.nodes(&rung.nodes)),
+                Body::Text(statements) => statements.get(number).and_then(|one| finder.statement(one)),
+            };
+            if !code.uses_flags && depends_on_memory.is_some() && collector.read(step, &finder.found) {
+                settling.push(step);
+            }
+        }
+    }
+    let mut settling = settling.into_iter().peekable();
+    for (routine, first) in code.routines.iter_mut().zip(first) {
+        routine.first_step = first;
+        let Some(first) = first else { continue };
+        let mut settles = |number: usize| settling.next_if_eq(&(first + number as u32)).is_some();
+        match &mut routine.body {
+            Body::Ladder(rungs) => {
+                let mut behind = 0;
+                for (number, rung) in rungs.iter_mut().enumerate() {
+                    behind += instructions(&rung.nodes) + 1;
+                    (rung.settles, rung.behind) = (settles(number), behind);
+                }
+            }
+            Body::Text(statements) => {
+                for (number, statement) in statements.iter_mut().enumerate() {
+                    statement.settles = settles(number);
+                }
+            }
+        }
+    }
+    collector.readers()
+}
+
+/// Instructions of a rung: of all legs.
+fn instructions(nodes: &[Node]) -> u32 {
+    let of = |node: &Node| match node {
+        Node::Branch(legs) => 1 + legs.iter().map(|leg| instructions(leg)).sum::<u32>(),
+        _ => 1,
+    };
+    nodes.iter().map(of).sum()
+}
+
+/// Finds the operands of a step.
+struct Finder<'c> {
+    code: &'c Code,
+    /// Add-on instructions within one another. Their places other than those of the memory itself are operands of the outermost call.
+    depth: usize,
+    found: Vec<Operands>,
+}
+
+/// `Some`: its result depends on the memory alone, and its operands are noted.
+type Known = Option<()>;
+
+impl Finder<'_> {
+    fn nodes(&mut self, nodes: &[Node]) -> Known {
+        nodes.iter().try_for_each(|node| match node {
+            Node::Xic(at, mask)
+            | Node::Xio(at, mask)
+            | Node::Ote(at, mask)
+            | Node::Otl(at, mask)
+            | Node::Otu(at, mask) => {
+                self.found.push(Operands {
+                    from: *at,
+                    to: at + 1,
+                    mask: *mask,
+                });
+                Some(())
+            }
+            Node::Branch(legs) => legs.iter().try_for_each(|leg| self.nodes(leg)),
+            Node::Instruction(instruction) => self.instruction(instruction),
+        })
+    }
+
+    fn statements(&mut self, statements: &[Statement]) -> Known {
+        statements.iter().try_for_each(|one| self.statement(one))
+    }
+
+    fn statement(&mut self, statement: &Statement) -> Known {
+        match &statement.action {
+            Action::Assign(to, from, _) => {
+                self.argument(to)?;
+                self.argument(from)
+            }
+            Action::If(branches, otherwise) => {
+                for (condition, body) in branches {
+                    self.expression(condition)?;
+                    self.statements(body)?;
+                }
+                self.statements(otherwise)
+            }
+            Action::Case(selector, arms, otherwise) => {
+                self.expression(selector)?;
+                for arm in arms {
+                    for (first, last) in &arm.ranges {
+                        self.expression(first)?;
+                        self.expression(last)?;
+                    }
+                    self.statements(&arm.body)?;
+                }
+                self.statements(otherwise)
+            }
+            Action::For(of) => {
+                self.number(&of.variable)?;
+                self.expression(&of.from)?;
+                self.expression(&of.to)?;
+                self.expression(&of.by)?;
+                self.statements(&of.body)
+            }
+            Action::While(condition, body) | Action::Repeat(body, condition) => {
+                self.expression(condition)?;
+                self.statements(body)
+            }
+            Action::Exit | Action::Return => Some(()),
+            Action::Call(instruction) => self.instruction(instruction),
+        }
+    }
+
+    fn instruction(&mut self, instruction: &Instruction) -> Known {
+        match (instruction.op, &*instruction.arguments) {
+            (Op::Ton | Op::Tof | Op::Rto | Op::Ctu | Op::Ctd | Op::Res, [Argument::Area(one), ..]) => self.element(one),
+            // What they do with a true rung is more than writes to the memory, or leaves the step: it settles with a false one.
+            (Op::Jsr | Op::For | Op::Gsv | Op::Ssv | Op::Event | Op::Jmp | Op::Tnd | Op::Ret | Op::Brk, _) => Some(()),
+            // Its operands are read when it executes, which no settled step does.
+            (Op::Motion, [Argument::Motion(call)]) => self.place(&call.control, CONTROL, 0xFF),
+            (Op::AddOn, [Argument::AddOn(call)]) => self.add_on(call),
+            (
+                Op::Ons
+                | Op::Osr
+                | Op::Osf
+                | Op::Xic
+                | Op::Xio
+                | Op::Ote
+                | Op::Otl
+                | Op::Otu
+                | Op::Compare(_)
+                | Op::Cmp
+                | Op::Lim
+                | Op::Meq
+                | Op::Compute
+                | Op::Cpt
+                | Op::Mov
+                | Op::Mvm
+                | Op::Btd
+                | Op::Clr
+                | Op::Swpb
+                | Op::Cop
+                | Op::Fll
+                | Op::Size
+                | Op::Concat
+                | Op::Mid
+                | Op::Delete
+                | Op::Insert
+                | Op::Find
+                | Op::Dtos
+                | Op::Stod
+                | Op::Rtos
+                | Op::Stor
+                | Op::Upper
+                | Op::Lower
+                | Op::Fal
+                | Op::Fsc
+                | Op::Ave
+                | Op::Std
+                | Op::Srt
+                | Op::Bsl
+                | Op::Bsr
+                | Op::Ffl
+                | Op::Ffu
+                | Op::Lfl
+                | Op::Lfu
+                | Op::Sqi
+                | Op::Sqo
+                | Op::Sql
+                | Op::Nop
+                | Op::Lbl
+                | Op::Afi
+                | Op::Uid
+                | Op::Missing,
+                all,
+            ) => all.iter().try_for_each(|one| self.argument(one)),
+            _ => None,
+        }
+    }
+
+    fn argument(&mut self, argument: &Argument) -> Known {
+        match argument {
+            Argument::Shown | Argument::Word(_) | Argument::Label(_) => Some(()),
+            Argument::Bit(bit) => self.bit(bit),
+            Argument::Integer(value) | Argument::Real(value) => self.expression(value),
+            Argument::Target(number) => self.number(number),
+            Argument::Area(area) => self.area(area),
+            Argument::Text(text) => self.text(text),
+            _ => None,
+        }
+    }
+
+    /// A call: its operands, the instance, and the body for the instructions in it.
+    fn add_on(&mut self, call: &AddOnCall) -> Known {
+        let definition = self.code.add_ons.get(call.definition as usize)?;
+        self.place(&call.instance, call.size, 0xFF)?;
+        for reference in &call.references {
+            self.reference(reference)?;
+        }
+        call.inputs.iter().try_for_each(|copy| self.argument(&copy.from))?;
+        call.outputs.iter().try_for_each(|copy| self.argument(&copy.to))?;
+        self.depth += 1;
+        let known = self.body(call, [definition.logic, definition.enable_in_false]);
+        self.depth -= 1;
+        known
+    }
+
+    fn body(&mut self, call: &AddOnCall, routines: [Option<u32>; 2]) -> Known {
+        if self.depth > MAX_DEPTH {
+            return None;
+        }
+        call.inputs.iter().try_for_each(|copy| self.argument(&copy.to))?;
+        call.outputs.iter().try_for_each(|copy| self.argument(&copy.from))?;
+        routines.into_iter().flatten().try_for_each(|routine| {
+            let code = self.code;
+            match &code.routines.get(routine as usize)?.body {
+                Body::Ladder(rungs) => rungs.iter().try_for_each(|rung| self.nodes(&rung.nodes)),
+                Body::Text(statements) => self.statements(statements),
+            }
+        })
+    }
+
+    /// The operand of a parameter by reference.
+    fn reference(&mut self, reference: &Referenced) -> Known {
+        let Referenced { place, bit, sizes } = reference;
+        match (bit, sizes) {
+            (Some(Select::Mask(mask)), _) => self.place(place, 1, *mask),
+            (None, Some(sizes)) => self.place(place, sizes.bytes, 0xFF),
+            // One that the add-on instruction around has by reference itself.
+            _ => self.place(place, 0, 0xFF).filter(|()| place.base != 0),
+        }
+    }
+
+    fn expression(&mut self, value: &Ex) -> Known {
+        match value {
+            Ex::Integer(_) | Ex::Real(_) => Some(()),
+            Ex::Dint(at) => {
+                self.found.push(Operands {
+                    from: *at,
+                    to: at + 4,
+                    mask: 0xFF,
+                });
+                Some(())
+            }
+            Ex::Load(number) => self.number(number),
+            Ex::Bit(bit) => self.bit(bit),
+            Ex::Status(_) => None,
+            Ex::ToReal(value, _)
+            | Ex::ToInteger(value)
+            | Ex::Negate(value)
+            | Ex::NegateReal(value)
+            | Ex::Invert(value)
+            | Ex::IsZero(value)
+            | Ex::Unsigned(value, _)
+            | Ex::Function(_, _, value) => self.expression(value),
+            Ex::Whole(_, both) | Ex::Float(_, _, both) | Ex::Compare(_, both) | Ex::CompareReal(_, both) => {
+                self.expression(&both.0)?;
+                self.expression(&both.1)
+            }
+            Ex::CompareText(_, both) => {
+                self.text(&both.0)?;
+                self.text(&both.1)
+            }
+        }
+    }
+
+    fn number(&mut self, number: &Cellular) -> Known {
+        let is_bit = number.kind == Elementary::Bool;
+        self.place(&number.place, number.kind.size() as u32, if is_bit { 1 } else { 0xFF })
+    }
+
+    fn bit(&mut self, bit: &Bit) -> Known {
+        match &bit.select {
+            Select::Mask(mask) => self.place(&bit.place, 1, *mask),
+            Select::Referenced => self.place(&bit.place, 1, 0xFF),
+            Select::Number { value, bits, .. } => {
+                self.expression(value)?;
+                self.place(&bit.place, bits.unwrap_or_default().div_ceil(8), 0xFF)
+            }
+        }
+    }
+
+    fn text(&mut self, text: &TextPart) -> Known {
+        match text {
+            TextPart::Literal(_) => Some(()),
+            TextPart::Tag { place, data, capacity } => self.place(place, data + capacity, 0xFF),
+        }
+    }
+
+    /// One element of an area.
+    fn element(&mut self, area: &Area) -> Known {
+        self.place(&area.place, area.size, 0xFF)
+    }
+
+    /// An area with all that stands behind it in its tag.
+    fn area(&mut self, area: &Area) -> Known {
+        let before = area.skipped;
+        let place = Place {
+            at: area.place.at.checked_sub(before)?,
+            ..area.place.clone()
+        };
+        self.place(&place, area.end.saturating_sub(place.at), 0xFF)
+    }
+
+    /// Bytes at a place, wherever its subscripts lead.
+    fn place(&mut self, place: &Place, size: u32, mask: u8) -> Known {
+        let mut behind = 0;
+        for Index {
+            value, size, stride, ..
+        } in &place.index
+        {
+            self.expression(value)?;
+            behind += size.saturating_sub(1) * stride;
+        }
+        if place.base != 0 {
+            return (self.depth > 0).then_some(());
+        }
+        self.found.push(Operands {
+            from: place.at,
+            to: place.at + behind + size,
+            mask,
+        });
+        Some(())
+    }
+}
+
+/// Bytes of a motion control tag.
+const CONTROL: u32 = MotionControl::SIZE as u32;
+/// Add-on instructions within one another.
+const MAX_DEPTH: usize = 16;
