@@ -4,7 +4,7 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
-use arcline_routine::{Cell, Host, Memory};
+use arcline_routine::{Cell, Condition, Host, Memory};
 use arcline_simulation::{Observer, Origin, Simulation};
 
 use crate::names::{Names, Placed, Places};
@@ -15,12 +15,18 @@ pub(crate) struct Plant {
     simulation: Simulation,
     /// The positions of the project's tags.
     places: Places,
+    /// The project's memory has the present state of the machine.
+    is_shown: bool,
 }
 
 impl Plant {
     /// A machine, and the places of the tags of the project that was bound to it.
     pub(crate) fn new(simulation: Simulation, places: Places) -> Self {
-        Plant { simulation, places }
+        Plant {
+            simulation,
+            places,
+            is_shown: false,
+        }
     }
 
     /// Looks for names of the machine, for code that is compiled while the machine runs.
@@ -34,21 +40,37 @@ impl Plant {
     }
 
     pub(crate) fn simulation_mut(&mut self) -> &mut Simulation {
+        self.is_shown = false;
         &mut self.simulation
+    }
+
+    /// Whether a condition reads an axis, a coordinate system or the group.
+    pub(crate) fn is_read_by(&self, condition: &Condition) -> bool {
+        let image = self.simulation.image();
+        let mut objects = self.places.objects.iter();
+        objects.any(|(at, id)| condition.reads(*at, image.bytes(*id).len()))
     }
 
     pub(crate) fn places(&self) -> &Places {
         &self.places
     }
 
-    /// Begins a tick, and shows the machine's state to the project.
-    pub(crate) fn begin_tick(&mut self, cell: &mut Cell) {
+    /// Begins a tick.
+    pub(crate) fn begin_tick(&mut self) {
         self.simulation.begin();
-        self.show(cell.memory_mut());
+        self.is_shown = false;
+    }
+
+    /// Brings axes and coordinate systems in the project's memory up to this moment, unless they are.
+    pub(crate) fn show_changes(&mut self, memory: &mut Memory) {
+        if !self.is_shown {
+            self.show(memory);
+        }
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment.
     pub(crate) fn show(&mut self, memory: &mut Memory) {
+        self.is_shown = true;
         self.simulation.show_now();
         for (at, id) in &self.places.objects {
             memory.write(*at as usize, self.simulation.image().bytes(*id));
@@ -59,7 +81,7 @@ impl Plant {
     pub(crate) fn end_tick(&mut self, cell: &mut Cell, observer: &mut impl Observer) -> bool {
         let places = &self.places;
         self.simulation.end(&mut Shown { places, cell, observer });
-        self.show(cell.memory_mut());
+        self.is_shown = false;
         let (tick, machine) = (self.simulation.tick(), self.simulation.machine().clone());
         observer.tick(tick, &machine, self.simulation.controller_mut())
     }

@@ -131,7 +131,8 @@ impl SimulatedCell {
     }
 
     /// Every tag as JSON, with the simulated time and the faults.
-    pub fn tags_json(&self) -> String {
+    pub fn tags_json(&mut self) -> String {
+        self.plant.show_changes(self.cell.memory_mut());
         json::json(&self.cell, self.time())
     }
 
@@ -151,6 +152,9 @@ impl SimulatedCell {
 
     /// Whether a condition holds now.
     pub fn holds(&mut self, condition: &Condition) -> bool {
+        if self.plant.is_read_by(condition) {
+            self.plant.show_changes(self.cell.memory_mut());
+        }
         self.cell.holds(condition, &mut self.plant)
     }
 
@@ -160,7 +164,8 @@ impl SimulatedCell {
     /// A major fault of the prescan.
     pub fn begin(&mut self, observer: &mut impl Observer) -> Result<(), Fault> {
         observer.begin(self.plant.simulation().machine());
-        self.plant.begin_tick(&mut self.cell);
+        self.plant.begin_tick();
+        self.plant.show_changes(self.cell.memory_mut());
         let began = self.cell.start(0, &mut self.plant);
         self.stopped = began.as_ref().err().cloned();
         began
@@ -175,6 +180,7 @@ impl SimulatedCell {
             .plant
             .with_names(|names| self.cell.writes(&self.source, names, given));
         let writes = writes.map_err(|(tag, reason)| NotSet { tag, reason })?;
+        self.plant.show_changes(self.cell.memory_mut());
         let written = self.cell.write(&writes, &mut self.plant);
         written.map_err(|tag| NotSet {
             tag,
@@ -196,6 +202,9 @@ impl SimulatedCell {
             }
             self.open();
             let period = self.machine().period_ns;
+            if self.cell.reads(self.tick(), period) {
+                self.plant.show_changes(self.cell.memory_mut());
+            }
             let scanned = self.cell.tick(self.tick(), period, &mut self.plant);
             let goes_on = self.plant.end_tick(&mut self.cell, observer);
             if let Err(fault) = scanned {
@@ -218,7 +227,7 @@ impl SimulatedCell {
     /// Begins the next tick, unless the present one is open.
     pub(crate) fn open(&mut self) {
         if !self.is_open() {
-            self.plant.begin_tick(&mut self.cell);
+            self.plant.begin_tick();
         }
     }
 

@@ -7,6 +7,7 @@ use crate::compile::{Compiler, Directory, Known};
 use crate::error::Finding;
 use crate::expression::Expression;
 use crate::memory::Tag;
+use crate::readers::Operands;
 use crate::run::{ExecutionState, Exit, Fault, FaultAt, Host, Memory, STATUS_OVERLAP, STATUS_TIMEOUT, Scan};
 use crate::source::Project;
 use crate::steps;
@@ -221,6 +222,17 @@ impl Cell {
             }
         }
         Ok(())
+    }
+
+    /// Whether [`Cell::tick`] would read the memory at a tick: a task may be due, or there are wires or tasks that wait for an event.
+    pub fn reads(&self, tick: u64, period: u64) -> bool {
+        let now = tick * period;
+        let is_due = |(task, release): (&crate::code::Task, &u64)| match task.when {
+            When::Continuous => tick >= self.next_scan,
+            When::Periodic(_) => *release <= now,
+            When::Motion | When::Triggered | When::Bit { .. } | When::Change { .. } => true,
+        };
+        !self.code.wires.is_empty() || self.code.tasks.iter().zip(&self.releases).any(is_due)
     }
 
     /// Scans the tasks that are due in a tick.
@@ -447,7 +459,8 @@ impl Cell {
         let value = compiler.truth(&expression)?;
         let mut code = Code::default();
         std::mem::swap(&mut code, &mut compiler.code);
-        Ok(Condition { value, code })
+        let operands = steps::operands(&code, &value);
+        Ok(Condition { value, code, operands })
     }
 
     /// Whether a condition holds.
@@ -520,6 +533,16 @@ pub struct Writes {
 pub struct Condition {
     value: crate::code::Ex,
     code: Code,
+    /// `None`: they cannot be told.
+    operands: Option<Vec<Operands>>,
+}
+
+impl Condition {
+    /// Whether it may read one of these bytes of the memory.
+    pub fn reads(&self, at: u32, size: usize) -> bool {
+        let overlaps = |of: &Operands| of.from < at.saturating_add(size as u32) && at < of.to;
+        self.operands.as_ref().is_none_or(|all| all.iter().any(overlaps))
+    }
 }
 
 /// `Program:Main.Done` as routines write it: `\Main.Done`.

@@ -31,11 +31,7 @@ pub(crate) fn number(code: &mut Code) -> Readers {
         let of_routine = collector.add_steps(count);
         first.push(Some(of_routine));
         for (number, step) in (0..count).zip(of_routine..) {
-            let mut finder = Finder {
-                code,
-                depth: 0,
-                found: Vec::new(),
-            };
+            let mut finder = Finder::new(code);
             let depends_on_memory = match &routine.body {
                 Body::Ladder(rungs) => rungs.get(number).and_then(|rung| finder.nodes(&rung.nodes)),
                 Body::Text(statements) => statements.get(number).and_then(|one| finder.statement(one)),
@@ -68,6 +64,13 @@ pub(crate) fn number(code: &mut Code) -> Readers {
     collector.readers()
 }
 
+/// The operands of an expression; `None`: its value depends on more than the memory.
+pub(crate) fn operands(code: &Code, value: &Ex) -> Option<Vec<Operands>> {
+    let mut finder = Finder::new(code);
+    finder.expression(value)?;
+    Some(finder.found)
+}
+
 /// Instructions of a rung: of all legs.
 fn instructions(nodes: &[Node]) -> u32 {
     let of = |node: &Node| match node {
@@ -88,7 +91,15 @@ struct Finder<'c> {
 /// `Some`: its result depends on the memory alone, and its operands are noted.
 type Known = Option<()>;
 
-impl Finder<'_> {
+impl<'c> Finder<'c> {
+    fn new(code: &'c Code) -> Self {
+        Finder {
+            code,
+            depth: 0,
+            found: Vec::new(),
+        }
+    }
+
     fn nodes(&mut self, nodes: &[Node]) -> Known {
         nodes.iter().try_for_each(|node| match node {
             Node::Xic(at, mask)

@@ -4,7 +4,7 @@ use arcline_instruction_set::predefined::{self, axis_fault};
 use arcline_motion::{AxisSnapshot, SystemSnapshot};
 
 use super::Health;
-use super::shared::Memory;
+use super::shared::{Memory, Unshared};
 use crate::Snapshot;
 use crate::machine::Machine;
 
@@ -23,6 +23,23 @@ enum AxisField {
     CipStatus,
     Real(fn(&AxisSnapshot) -> f64),
     Dint(fn(&AxisSnapshot) -> i32),
+}
+
+/// The states that the bytes of the tags have, and the fault of the group with each. A copy of an image has none: it is only read.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Encoded {
+    axes: Unshared<(AxisSnapshot, u32)>,
+    systems: Unshared<(SystemSnapshot, u32)>,
+}
+
+/// Notes a state at an index; false: it was the last one there.
+fn differs<T: PartialEq>(last: &mut Vec<T>, index: usize, now: T) -> bool {
+    match last.get_mut(index) {
+        Some(last) if *last == now => return false,
+        Some(last) => *last = now,
+        None => last.push(now),
+    }
+    true
 }
 
 /// Writes all changing values. The order of tags is the group, the axes, the coordinate systems.
@@ -45,20 +62,26 @@ impl Encoder {
         }
     }
 
-    /// `overlapping`: the motion task was still in execution when its next period began.
-    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, memory: &mut Memory) {
+    /// Writes the states that have changed. `overlapping`: the motion task was still in execution when its next period began.
+    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, encoded: &mut Encoded, memory: &mut Memory) {
         let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
         let mut faults = 0;
         let axes = snapshot.axes.iter().zip(&self.is_virtual);
-        for (row, (axis, is_virtual)) in (FIRST_AXIS..).zip(axes) {
+        for (index, (axis, is_virtual)) in axes.enumerate() {
             faults |= axis.fault;
+            if !differs(&mut encoded.axes, index, (*axis, group_fault)) {
+                continue;
+            }
             let fields = if *is_virtual { VIRTUAL_FIELDS } else { CIP_FIELDS };
-            if let Some(bytes) = memory.get_mut(row) {
+            if let Some(bytes) = memory.get_mut(FIRST_AXIS + index) {
                 encode_axis(fields, axis, group_fault, bytes);
             }
         }
-        for (row, system) in (FIRST_AXIS + self.is_virtual.len()..).zip(&snapshot.systems) {
-            if let Some(bytes) = memory.get_mut(row) {
+        for (index, system) in snapshot.systems.iter().enumerate() {
+            let row = FIRST_AXIS + self.is_virtual.len() + index;
+            if differs(&mut encoded.systems, index, (*system, group_fault))
+                && let Some(bytes) = memory.get_mut(row)
+            {
                 encode_system(system, group_fault, bytes);
             }
         }
@@ -209,7 +232,7 @@ fn encode_axis(fields: &[(usize, AxisField)], axis: &AxisSnapshot, group_fault: 
             AxisField::CipState => put(bytes, *offset, axis.cip_state.to_le_bytes()),
             AxisField::CipStatus => put(bytes, *offset, axis.cip_status.to_le_bytes()),
             AxisField::Dint(of) => put(bytes, *offset, of(axis).to_le_bytes()),
-            AxisField::Real(of) => put(bytes, *offset, (of(axis) as f32).to_le_bytes()),
+            AxisField::Real(of) => put(bytes, *offset, real(of(axis))),
         }
     }
 }
@@ -249,7 +272,7 @@ fn encode_system(system: &SystemSnapshot, group_fault: u32, bytes: &mut [u8]) {
         put(
             bytes,
             offset!(coordinate_system "ActualPosition") + 4 * row,
-            (*actual as f32).to_le_bytes(),
+            real(*actual),
         );
     }
     let frames = [
@@ -271,6 +294,11 @@ fn encode_system(system: &SystemSnapshot, group_fault: u32, bytes: &mut [u8]) {
         offset!(coordinate_system "RobotConfiguration"),
         system.configuration.to_le_bytes(),
     );
+}
+
+/// A REAL. States that differ in the sign of a zero alone are equal, so a zero has none.
+fn real(value: f64) -> [u8; 4] {
+    (value as f32 + 0.0).to_le_bytes()
 }
 
 fn put<const N: usize>(bytes: &mut [u8], offset: usize, value: [u8; N]) {

@@ -98,6 +98,7 @@ pub struct Image {
     /// The value of `uses` when each slot was last named; 0: never.
     last_uses: Unshared<u64>,
     encoder: Shared<encode::Encoder>,
+    encoded: encode::Encoded,
     /// The history of the table of tags.
     table: Shared<table::Table>,
     snapshot_tick: u64,
@@ -142,6 +143,7 @@ impl Image {
             uses: 0,
             last_uses: Unshared::default(),
             encoder: Shared::new(encode::Encoder::new(machine)),
+            encoded: encode::Encoded::default(),
             table: Shared::default(),
             snapshot_tick: 0,
             before_hold: vec![feed_override::AS_PROGRAMMED; machine.systems.len()],
@@ -269,7 +271,8 @@ impl Image {
     pub fn apply_snapshot(&mut self, snapshot: &Snapshot) {
         self.snapshot_tick = snapshot.tick;
         self.show_attributes(snapshot);
-        self.encoder.snapshot(snapshot, self.overlapping, &mut self.bytes);
+        self.encoder
+            .snapshot(snapshot, self.overlapping, &mut self.encoded, &mut self.bytes);
         self.show_contour_rests(snapshot);
         self.show_clock(snapshot.tick);
         self.show_uses();
