@@ -340,6 +340,33 @@ fn a_first_value_that_is_not_read_is_named() {
     }
 }
 
+#[test]
+fn the_task_of_a_home_event_runs_with_each_homing() {
+    let tags = "<Tag Name=\"Homed\" TagType=\"Base\" DataType=\"DINT\" Radix=\"Decimal\" ExternalAccess=\"Read/Write\"/>\
+                <Tag Name=\"H\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" ExternalAccess=\"Read/Write\"/>";
+    let text = with(tags, &["XIC(Start)MAH(X,H);", "JSR(Count,0);"]);
+    let program = "<Program Name=\"Home\" MainRoutineName=\"R\"><Tags/><Routines><Routine Name=\"R\" Type=\"RLL\"><RLLContent>\
+                   <Rung Number=\"0\" Type=\"N\"><Text><![CDATA[ADD(Homed,1,Homed);]]></Text></Rung></RLLContent></Routine></Routines></Program></Programs>";
+    let task = "<Task Name=\"OnHome\" Type=\"EVENT\" Priority=\"3\" Watchdog=\"500\"><EventInfo EventTrigger=\"Axis Home\" EventTag=\"X\" \
+                EnableTimeout=\"false\"/><ScheduledPrograms><ScheduledProgram Name=\"Home\"/></ScheduledPrograms></Task></Tasks>";
+    let text = text.replacen("</Programs>", program, 1).replacen("</Tasks>", task, 1);
+    let mut cell = begun(&text);
+    for count in 1..=3 {
+        cell.write("Start", &WriteValue::Bool(true)).expect("a tag");
+        ticks(&mut cell, 10);
+        assert_eq!(
+            number(&mut cell, "Homed"),
+            f64::from(count),
+            "{:?}",
+            cell.faults().collect::<Vec<_>>()
+        );
+        assert_eq!(value(&mut cell, "H.PC").as_bool(), Some(true));
+        assert_eq!(value(&mut cell, "X.HomeEventStatus").as_bool(), Some(true));
+        cell.write("Start", &WriteValue::Bool(false)).expect("a tag");
+        ticks(&mut cell, 10);
+    }
+}
+
 /// The project of the tests with programs behind its own, in the same task: their tags, rungs, and connections of their parameters.
 fn with_programs(tags: &str, programs: &[(&str, &str, &[&str])], connections: &[(&str, &str)]) -> String {
     let mut text = with(tags, &["NOP();"]);

@@ -252,6 +252,7 @@ impl Cell {
         scan.messages();
         scan.latch_inputs(now);
         self.tasks(tick, now, host)?;
+        self.see_cleared_bits();
         let mut scan = Scan {
             code: &self.code,
             s: &mut self.state,
@@ -340,6 +341,17 @@ impl Cell {
                 bytes.iter().fold(0xCBF2_9CE4_8422_2325, hash)
             }
             _ => 0,
+        }
+    }
+
+    /// Notes the bits of events that an instruction of this tick has cleared: MAH clears that of the axis's home event, which may come in the next tick.
+    fn see_cleared_bits(&mut self) {
+        for task in 0..self.events.len() {
+            let is_bit = matches!(self.code.tasks.get(task).map(|task| task.when), Some(When::Bit { .. }));
+            let state = if is_bit { self.event_state(task) } else { continue };
+            if let Some(seen) = self.events.get_mut(task) {
+                seen.state = seen.state.min(state);
+            }
         }
     }
 

@@ -322,8 +322,9 @@ impl Axis {
         self.redefine((self.home.position - self.home.offset) - shown);
     }
 
-    /// Sets the command to the Home Position, and shifts the actual position accordingly.
+    /// Sets the command to the Home Position, and shifts the actual position accordingly: the home event of an immediate sequence.
     fn take_home_position(&mut self) {
+        self.home_event = true;
         self.redefine_command(self.home.position);
     }
 
