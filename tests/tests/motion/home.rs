@@ -246,7 +246,7 @@ fn immediate_homing_takes_the_position_and_moves_nothing() {
         assert_eq!(bench.call("MAH(X, H1)"), OK);
         assert_eq!((bench.bits("H1").as_str(), event(&bench)), ("EN IP", 0));
         bench.tick();
-        assert_eq!((bench.bits("H1").as_str(), event(&bench)), ("EN DN PC", 0));
+        assert_eq!((bench.bits("H1").as_str(), event(&bench)), ("EN DN PC", CAME));
         let axis = bench.axis("X");
         assert_eq!(
             (axis.command, axis.actual),
