@@ -62,19 +62,13 @@ impl<'s> Scan<'s> {
                 let before = before.map_or(0, |rung| rung.behind);
                 next += settled;
                 let instructions = over.last().map_or(0, |rung| rung.behind - before);
-                match self.spend(instructions as usize).and_then(|()| self.pass()) {
-                    Err(Exit::Fault) if self.recovers() => {}
-                    passed => passed?,
-                }
+                self.go_on(instructions as usize)?;
                 continue;
             }
             if !TRACED && rung.is_of_bits {
                 let end = (next + TOGETHER).min(rungs.len());
                 next += self.bits(rungs.get(next..end).unwrap_or_default(), step);
-                match self.spend(0).and_then(|()| self.pass()) {
-                    Err(Exit::Fault) if self.recovers() => {}
-                    passed => passed?,
-                }
+                self.go_on(0)?;
                 continue;
             }
             match self.spend(rung.nodes.len() + 1).and_then(|()| self.pass()) {
@@ -100,6 +94,14 @@ impl<'s> Scan<'s> {
             }
         }
         Ok(())
+    }
+
+    /// Behind steps of so many instructions: the budget, the writes of clients and the watchdog, whose fault the program may handle.
+    pub(crate) fn go_on(&mut self, instructions: usize) -> Run<()> {
+        match self.spend(instructions).and_then(|()| self.pass()) {
+            Err(Exit::Fault) if self.recovers() => Ok(()),
+            passed => passed,
+        }
     }
 
     /// The number of settled steps from one on, of so many. Nothing is settled where rungs have no power.

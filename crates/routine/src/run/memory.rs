@@ -54,8 +54,19 @@ impl Memory {
         let place = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut);
         let Some(place) = place else { return };
         let old = std::mem::replace(place, new);
-        if old != new {
-            self.changed(at, &old, &new);
+        if old == new {
+            return;
+        }
+        self.changes += 1;
+        match (<[u8; WORD]>::try_from(&old[..]), <[u8; WORD]>::try_from(&new[..])) {
+            (Ok(old), Ok(new)) if at.is_multiple_of(WORD) => {
+                self.unsettle(at / WORD, u32::from_le_bytes(old) ^ u32::from_le_bytes(new));
+            }
+            _ => {
+                for ((old, new), at) in old.into_iter().zip(new).zip(at..) {
+                    self.unsettle(at / WORD, u32::from(old ^ new) << (8 * (at % WORD)));
+                }
+            }
         }
     }
 
@@ -116,22 +127,11 @@ impl Memory {
         }
     }
 
-    /// Some of these bytes have changed.
-    fn changed(&mut self, at: usize, old: &[u8], new: &[u8]) {
-        self.changes += 1;
-        let (mut word, mut bits) = (at / WORD, 0);
-        for ((old, new), at) in old.iter().zip(new).zip(at..) {
-            if at / WORD != word {
-                self.unsettle(word, bits);
-                (word, bits) = (at / WORD, 0);
-            }
-            bits |= u32::from(old ^ new) << (8 * (at % WORD));
-        }
-        self.unsettle(word, bits);
-    }
-
     /// Ends the rest of the steps that have one of these bits among their operands.
     fn unsettle(&mut self, word: usize, bits: u32) {
+        if bits == 0 {
+            return;
+        }
         for reader in self.readers.of(word) {
             if reader.bits & bits != 0
                 && let Some(settled) = self.settled.get_mut(reader.step as usize / 64)

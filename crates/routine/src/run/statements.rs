@@ -17,10 +17,7 @@ impl<'s> Scan<'s> {
                 let over = statements.get(next..next + settled).unwrap_or_default();
                 self.check_settled(&[], over);
                 next += settled;
-                match self.spend(settled).and_then(|()| self.pass()) {
-                    Err(Exit::Fault) if self.recovers() => {}
-                    passed => passed?,
-                }
+                self.go_on(settled)?;
                 continue;
             }
             let changes = self.begin_step(statement.settles);
