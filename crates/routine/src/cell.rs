@@ -115,7 +115,7 @@ impl Cell {
     }
 
     /// The bytes of all tags; a tag begins at [`Tag::at`].
-    pub fn memory(&self) -> &[u8] {
+    pub fn memory(&self) -> &Memory {
         &self.state.memory
     }
 

@@ -29,6 +29,8 @@ pub(super) struct LiveHost {
     numbers: BTreeMap<TagId, usize>,
     /// The memory as clients see it.
     shown: Vec<u8>,
+    /// The changes of the program's memory at the last exchange, behind which both were the same.
+    changes: u64,
     /// The instructions that were executed last with each slot.
     executed: BTreeMap<u32, Mnemonic>,
     /// Slots whose false rung condition was sent.
@@ -43,12 +45,14 @@ pub(super) struct LiveHost {
 
 impl LiveHost {
     pub(super) fn new(plant: Plant, program: Arc<Program>, cell: &Cell, places: Places, pause: Pause) -> Self {
+        let memory = cell.memory();
         let controls = cell.controls().iter().map(|(at, slot)| (slot.0, *at as usize));
         let numbers = (0..).zip(&places.tags).map(|(number, tag)| (tag.id, number));
         LiveHost {
             controls: controls.collect(),
             numbers: numbers.collect(),
-            shown: cell.memory().to_vec(),
+            shown: memory.to_vec(),
+            changes: memory.changes(),
             plant,
             program,
             places,
@@ -78,7 +82,8 @@ impl LiveHost {
             shown,
             ..
         } = self;
-        let differs = |tag: &&Placed| shown.get(tag.from..tag.to) != memory.get(tag.from..tag.to);
+        let has_changed = memory.changes() != self.changes;
+        let differs = |tag: &&Placed| has_changed && shown.get(tag.from..tag.to) != memory.get(tag.from..tag.to);
         let changed: Vec<Placed> = places.tags.iter().filter(differs).copied().collect();
         let tick = self.plant.exchange(!changed.is_empty(), |image| {
             let foreign = image.take_foreign_changes();
@@ -93,6 +98,7 @@ impl LiveHost {
             both.image.snapshot_tick()
         });
         self.shown_at = Instant::now();
+        self.changes = memory.changes();
         self.force(memory);
         tick
     }

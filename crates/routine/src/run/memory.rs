@@ -45,7 +45,7 @@ impl Memory {
     }
 
     /// Writes that have changed a byte so far.
-    pub(crate) fn changes(&self) -> u64 {
+    pub fn changes(&self) -> u64 {
         self.changes
     }
 
