@@ -194,17 +194,6 @@ impl<'c> Finder<'c> {
                 | Op::Cop
                 | Op::Fll
                 | Op::Size
-                | Op::Concat
-                | Op::Mid
-                | Op::Delete
-                | Op::Insert
-                | Op::Find
-                | Op::Dtos
-                | Op::Stod
-                | Op::Rtos
-                | Op::Stor
-                | Op::Upper
-                | Op::Lower
                 | Op::Fal
                 | Op::Fsc
                 | Op::Ave
@@ -226,6 +215,7 @@ impl<'c> Finder<'c> {
                 | Op::Missing,
                 all,
             ) => all.iter().try_for_each(|one| self.argument(one)),
+            (op, all) if op.is_of_texts() => all.iter().try_for_each(|one| self.argument(one)),
             _ => None,
         }
     }

@@ -100,6 +100,26 @@ pub(crate) enum Op {
     Missing,
 }
 
+impl Op {
+    /// Its operands are texts, or numbers that become texts or come from them.
+    pub(crate) fn is_of_texts(self) -> bool {
+        matches!(
+            self,
+            Op::Concat
+                | Op::Mid
+                | Op::Delete
+                | Op::Insert
+                | Op::Find
+                | Op::Dtos
+                | Op::Stod
+                | Op::Rtos
+                | Op::Stor
+                | Op::Upper
+                | Op::Lower
+        )
+    }
+}
+
 /// The kind of an operand.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Kind {

@@ -321,20 +321,7 @@ impl<'s> Scan<'s> {
             (Op::Ffl | Op::Ffu | Op::Lfl | Op::Lfu, _) => self.queue(i.op, a, power).map(|()| power),
             (Op::Sqi, _) => Ok(power && self.sequencer_input(a)?),
             (Op::Sqo | Op::Sql, _) => self.sequencer(i.op, a, power).map(|()| power),
-            (
-                Op::Concat
-                | Op::Mid
-                | Op::Delete
-                | Op::Insert
-                | Op::Find
-                | Op::Dtos
-                | Op::Stod
-                | Op::Rtos
-                | Op::Stor
-                | Op::Upper
-                | Op::Lower,
-                _,
-            ) if power => self.text(i.op, a).map(|()| true),
+            (op, _) if power && op.is_of_texts() => self.text(op, a).map(|()| true),
             (Op::Gsv | Op::Ssv, [Argument::System(system)]) if power => self.system(i.op, system).map(|()| true),
             (Op::Msg, [Argument::Area(area), reply @ ..]) => {
                 let reply = match reply {

@@ -239,7 +239,7 @@ fn same(of: &Project, first: [u8; 16], writes: &Writes, period: u64) -> Result<(
 const WRITTEN: usize = 48;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if std::env::var_os("ARCLINE_LONG").is_some() { 4000 } else { 400 }, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
     fn a_scan_that_passes_over_settled_steps_gives_the_same_bytes(
