@@ -18,7 +18,7 @@ pub(crate) struct Reader {
 }
 
 /// Operands of a step: bytes of the memory, and the bits of the first byte if it is one.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct Operands {
     pub(crate) from: u32,
     pub(crate) to: u32,

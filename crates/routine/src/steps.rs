@@ -3,6 +3,8 @@
 //! status bit or sends messages, and timers of Structured Text, which read the time in each scan. In a project that names the status bits of arithmetic (S:V, S:Z, S:N, S:C) no step settles, as
 //! each result of another step stands in them.
 
+use std::collections::BTreeMap;
+
 use arcline_instruction_set::MotionControl;
 use arcline_tag::Elementary;
 
@@ -18,6 +20,7 @@ pub(crate) fn number(code: &mut Code) -> Readers {
     let mut collector = Collector::default();
     let mut first = Vec::with_capacity(code.routines.len());
     let mut settling = Vec::new();
+    let mut finder = Finder::new(code);
     for routine in &code.routines {
         let count = match &routine.body {
             Body::Ladder(rungs) => rungs.len(),
@@ -31,7 +34,7 @@ pub(crate) fn number(code: &mut Code) -> Readers {
         let of_routine = collector.add_steps(count);
         first.push(Some(of_routine));
         for (number, step) in (0..count).zip(of_routine..) {
-            let mut finder = Finder::new(code);
+            finder.found.clear();
             let depends_on_memory = match &routine.body {
                 Body::Ladder(rungs) => rungs.get(number).and_then(|rung| finder.nodes(&rung.nodes)),
                 Body::Text(statements) => statements.get(number).and_then(|one| finder.statement(one)),
@@ -83,8 +86,11 @@ fn instructions(nodes: &[Node]) -> u32 {
 /// Finds the operands of a step.
 struct Finder<'c> {
     code: &'c Code,
-    /// Add-on instructions within one another. Their places other than those of the memory itself are operands of the outermost call.
-    depth: usize,
+    /// The body of an add-on instruction is looked at: its places other than those of the memory itself are operands of the outermost call.
+    is_inside: bool,
+    /// The operands of the bodies of add-on instructions so far in the memory itself, where literals stand that they pass; `None`: their result depends
+    /// on more than the memory.
+    bodies: BTreeMap<u32, Option<Vec<Operands>>>,
     found: Vec<Operands>,
 }
 
@@ -95,7 +101,8 @@ impl<'c> Finder<'c> {
     fn new(code: &'c Code) -> Self {
         Finder {
             code,
-            depth: 0,
+            is_inside: false,
+            bodies: BTreeMap::new(),
             found: Vec::new(),
         }
     }
@@ -234,32 +241,51 @@ impl<'c> Finder<'c> {
 
     /// A call: its operands, the instance, and the body for the instructions in it.
     fn add_on(&mut self, call: &AddOnCall) -> Known {
-        let definition = self.code.add_ons.get(call.definition as usize)?;
         self.place(&call.instance, call.size, 0xFF)?;
         for reference in &call.references {
             self.reference(reference)?;
         }
         call.inputs.iter().try_for_each(|copy| self.argument(&copy.from))?;
         call.outputs.iter().try_for_each(|copy| self.argument(&copy.to))?;
-        self.depth += 1;
-        let known = self.body(call, [definition.logic, definition.enable_in_false]);
-        self.depth -= 1;
+        let was_inside = std::mem::replace(&mut self.is_inside, true);
+        let copies = call.inputs.iter().map(|copy| &copy.to);
+        let copies = copies.chain(call.outputs.iter().map(|copy| &copy.from));
+        let known = copies
+            .into_iter()
+            .try_for_each(|one| self.argument(one))
+            .and_then(|()| self.body(call.definition));
+        self.is_inside = was_inside;
         known
     }
 
-    fn body(&mut self, call: &AddOnCall, routines: [Option<u32>; 2]) -> Known {
-        if self.depth > MAX_DEPTH {
-            return None;
+    /// The body of an add-on instruction, which is looked at once.
+    fn body(&mut self, definition: u32) -> Known {
+        if !self.bodies.contains_key(&definition) {
+            // One within itself does not settle.
+            self.bodies.insert(definition, None);
+            let before = std::mem::take(&mut self.found);
+            let known = self.routines_of(definition);
+            let mut own = std::mem::replace(&mut self.found, before);
+            own.sort_unstable();
+            own.dedup();
+            self.bodies.insert(definition, known.map(|()| own));
         }
-        call.inputs.iter().try_for_each(|copy| self.argument(&copy.to))?;
-        call.outputs.iter().try_for_each(|copy| self.argument(&copy.from))?;
-        routines.into_iter().flatten().try_for_each(|routine| {
-            let code = self.code;
-            match &code.routines.get(routine as usize)?.body {
+        let own = self.bodies.get(&definition)?.as_ref()?;
+        self.found.extend(own);
+        Some(())
+    }
+
+    fn routines_of(&mut self, definition: u32) -> Known {
+        let code = self.code;
+        let definition = code.add_ons.get(definition as usize)?;
+        let routines = [definition.logic, definition.enable_in_false];
+        routines
+            .into_iter()
+            .flatten()
+            .try_for_each(|routine| match &code.routines.get(routine as usize)?.body {
                 Body::Ladder(rungs) => rungs.iter().try_for_each(|rung| self.nodes(&rung.nodes)),
                 Body::Text(statements) => self.statements(statements),
-            }
-        })
+            })
     }
 
     /// The operand of a parameter by reference.
@@ -355,7 +381,7 @@ impl<'c> Finder<'c> {
             behind += size.saturating_sub(1) * stride;
         }
         if place.base != 0 {
-            return (self.depth > 0).then_some(());
+            return self.is_inside.then_some(());
         }
         self.found.push(Operands {
             from: place.at,
@@ -368,5 +394,3 @@ impl<'c> Finder<'c> {
 
 /// Bytes of a motion control tag.
 const CONTROL: u32 = MotionControl::SIZE as u32;
-/// Add-on instructions within one another.
-const MAX_DEPTH: usize = 16;

@@ -125,6 +125,27 @@ fn press() -> InstructionSource {
     press
 }
 
+#[test]
+fn add_on_instructions_within_one_another_are_looked_at_once() {
+    // Eight calls in each of fourteen: 8^14 ways to the last.
+    let mut of = project("Top Level13, N DINT", &[("Main", "Level13(Top);")]);
+    for level in 0..14 {
+        let (calls, locals) = match level {
+            0 => ("ADD(Count,1,Count);".to_owned(), vec![(member("Count", "DINT"), None)]),
+            _ => {
+                let below = format!("Level{}", level - 1);
+                let calls: Vec<String> = (0..8).map(|_| format!("{below}(Inner);")).collect();
+                (calls.join("\n"), vec![(member("Inner", &below), None)])
+            }
+        };
+        let mut definition = add_on(&format!("Level{level}"), Vec::new(), vec![routine("Logic", &calls)]);
+        definition.locals = locals;
+        of.instructions.push(definition);
+    }
+    let loaded = load(&of, &mut Machine::default());
+    assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
+}
+
 /// A template with numbers for its places.
 fn filled(template: &str, numbers: &[u8]) -> String {
     let mut numbers = numbers.iter().cycle();
