@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::sync::MutexGuard;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use arcline_cell::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
+use arcline_cell::{Condition, End, LoadError, RunLimits, SimulatedCell, UnknownParts};
 use arcline_config::Project;
 use arcline_controller::Controller;
 use arcline_controller::machine::Machine as MachineConfig;
 use arcline_instruction_set::AxisId;
-use arcline_routine::{Condition, Fault, Line};
+use arcline_routine::{Fault, Line};
 use arcline_simulation::{Blind, Observer};
 use arcline_tag::{TagPath, WriteValue};
 use numpy::{PyArray2, PyArrayMethods, PyReadwriteArray2};

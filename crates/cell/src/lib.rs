@@ -17,4 +17,4 @@ mod values;
 
 pub use binding::{Bound, DoesNotRun, LoadError, Surroundings, UnknownParts, bind};
 pub use names::{Names, NotPlaced, Placed, Places, remove_others};
-pub use simulated::{End, NotSet, RunLimits, SimulatedCell};
+pub use simulated::{Condition, End, NotSet, RunLimits, SimulatedCell};

@@ -4,7 +4,7 @@ use arcline_controller::image::{Image, TagId};
 use arcline_controller::machine::Machine;
 use arcline_controller::{Event, FaultChange, InstructionWrite, Ticket};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Flag, MotionControl, TagAddress};
-use arcline_routine::{Cell, Condition, Host, Memory};
+use arcline_routine::{Cell, Host, Memory};
 use arcline_simulation::{Observer, Origin, Simulation};
 
 use crate::names::{Names, Placed, Places};
@@ -45,7 +45,7 @@ impl Plant {
     }
 
     /// Whether a condition reads an axis, a coordinate system or the group.
-    pub(crate) fn is_read_by(&self, condition: &Condition) -> bool {
+    pub(crate) fn is_read_by(&self, condition: &arcline_routine::Condition) -> bool {
         let image = self.simulation.image();
         let mut objects = self.places.objects.iter();
         objects.any(|(at, id)| condition.reads(*at, image.bytes(*id).len()))
@@ -57,8 +57,7 @@ impl Plant {
 
     /// Begins a tick.
     pub(crate) fn begin_tick(&mut self) {
-        self.simulation.begin();
-        self.is_shown = false;
+        self.simulation_mut().begin();
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment, unless they are.

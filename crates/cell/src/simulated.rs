@@ -9,7 +9,7 @@ use arcline_config::Project as Configuration;
 use arcline_controller::machine::Machine;
 use arcline_instruction_set::AxisId;
 use arcline_routine::source::Project;
-use arcline_routine::{Cell, Condition, Fault, Finding};
+use arcline_routine::{Cell, Fault, Finding};
 use arcline_simulation::{Observer, Origin, Simulation};
 
 use crate::binding::{Bound, LoadError, Surroundings, UnknownParts, bind};
@@ -28,6 +28,14 @@ pub struct SimulatedCell {
     pub(crate) names: BTreeMap<(Option<String>, String), usize>,
     /// The major fault that stopped the tasks.
     stopped: Option<Fault>,
+}
+
+/// An expression of tags of a project.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    expression: arcline_routine::Condition,
+    /// Whether it reads an axis, a coordinate system or the group.
+    reads_machine: bool,
 }
 
 /// The limits of a run.
@@ -132,7 +140,7 @@ impl SimulatedCell {
 
     /// Every tag as JSON, with the simulated time and the faults.
     pub fn tags_json(&mut self) -> String {
-        self.plant.show_changes(self.cell.memory_mut());
+        self.show_machine();
         json::json(&self.cell, self.time())
     }
 
@@ -146,16 +154,21 @@ impl SimulatedCell {
     /// # Errors
     /// The error in words.
     pub fn condition(&self, text: &str) -> Result<Condition, String> {
-        self.plant
-            .with_names(|names| self.cell.condition(&self.source, names, text))
+        let compiled = self
+            .plant
+            .with_names(|names| self.cell.condition(&self.source, names, text));
+        compiled.map(|expression| Condition {
+            reads_machine: self.plant.is_read_by(&expression),
+            expression,
+        })
     }
 
     /// Whether a condition holds now.
     pub fn holds(&mut self, condition: &Condition) -> bool {
-        if self.plant.is_read_by(condition) {
-            self.plant.show_changes(self.cell.memory_mut());
+        if condition.reads_machine {
+            self.show_machine();
         }
-        self.cell.holds(condition, &mut self.plant)
+        self.cell.holds(&condition.expression, &mut self.plant)
     }
 
     /// Begins tick 0 and enters Run: every scheduled program is prescanned.
@@ -165,7 +178,7 @@ impl SimulatedCell {
     pub fn begin(&mut self, observer: &mut impl Observer) -> Result<(), Fault> {
         observer.begin(self.plant.simulation().machine());
         self.plant.begin_tick();
-        self.plant.show_changes(self.cell.memory_mut());
+        self.show_machine();
         let began = self.cell.start(0, &mut self.plant);
         self.stopped = began.as_ref().err().cloned();
         began
@@ -180,7 +193,7 @@ impl SimulatedCell {
             .plant
             .with_names(|names| self.cell.writes(&self.source, names, given));
         let writes = writes.map_err(|(tag, reason)| NotSet { tag, reason })?;
-        self.plant.show_changes(self.cell.memory_mut());
+        self.show_machine();
         let written = self.cell.write(&writes, &mut self.plant);
         written.map_err(|tag| NotSet {
             tag,
@@ -203,7 +216,7 @@ impl SimulatedCell {
             self.open();
             let period = self.machine().period_ns;
             if self.cell.reads(self.tick(), period) {
-                self.plant.show_changes(self.cell.memory_mut());
+                self.show_machine();
             }
             let scanned = self.cell.tick(self.tick(), period, &mut self.plant);
             let goes_on = self.plant.end_tick(&mut self.cell, observer);
@@ -222,6 +235,11 @@ impl SimulatedCell {
             }
         }
         End::Time
+    }
+
+    /// Brings axes and coordinate systems in the project's memory up to this moment, unless they are.
+    fn show_machine(&mut self) {
+        self.plant.show_changes(self.cell.memory_mut());
     }
 
     /// Begins the next tick, unless the present one is open.

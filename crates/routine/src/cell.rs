@@ -347,8 +347,10 @@ impl Cell {
     /// Notes the bits of events that an instruction of this tick has cleared: MAH clears that of the axis's home event, which may come in the next tick.
     fn see_cleared_bits(&mut self) {
         for task in 0..self.events.len() {
-            let is_bit = matches!(self.code.tasks.get(task).map(|task| task.when), Some(When::Bit { .. }));
-            let state = if is_bit { self.event_state(task) } else { continue };
+            let Some(When::Bit { .. }) = self.code.tasks.get(task).map(|task| task.when) else {
+                continue;
+            };
+            let state = self.event_state(task);
             if let Some(seen) = self.events.get_mut(task) {
                 seen.state = seen.state.min(state);
             }

@@ -130,8 +130,8 @@ impl<'p> Compiler<'p> {
         let tags = Tags::new(project, &mut types, &|name| directory.object_type(name), &mut findings);
         let mut compiler = Compiler::with_names(project, directory, Known { types, tags });
         compiler.findings = findings;
-        compiler.uses_carry = names_status(project, &["S:C"]);
         compiler.code.uses_flags = names_status(project, &["S:V", "S:Z", "S:N", "S:C"]);
+        compiler.uses_carry = compiler.code.uses_flags && names_status(project, &["S:C"]);
         compiler.motion_objects();
         compiler
     }

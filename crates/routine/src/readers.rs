@@ -6,7 +6,7 @@ pub(crate) const WORD: usize = 4;
 const PAGE: usize = 1024;
 /// Most words that a step may have among its operands; one with more is executed in each scan.
 const MAX_WORDS: usize = 4096;
-/// Most readers of all words; the steps behind are executed in each scan.
+/// Most readers of all words; the steps after them are executed in each scan.
 const MAX_READERS: usize = 1 << 22;
 
 /// A step that has a word of the memory among its operands.

@@ -10,7 +10,7 @@ use arcline_tag::Elementary;
 
 use crate::code::{
     Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, Ex, Index, Instruction, Node, Place, Referenced,
-    Select, Statement, TextPart,
+    Rung, Select, Statement, TextPart,
 };
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
@@ -18,48 +18,41 @@ use crate::table::Op;
 /// Numbers the steps of all programs, and finds the readers of the memory.
 pub(crate) fn number(code: &mut Code) -> Readers {
     let mut collector = Collector::default();
-    let mut first = Vec::with_capacity(code.routines.len());
-    let mut settling = Vec::new();
-    let mut finder = Finder::new(code);
-    for routine in &code.routines {
-        let count = match &routine.body {
-            Body::Ladder(rungs) => rungs.len(),
-            Body::Text(statements) => statements.len(),
-        };
-        // The places of an add-on instruction are those of its calls.
-        if routine.of_program.is_none() {
-            first.push(None);
-            continue;
-        }
-        let of_routine = collector.add_steps(count);
-        first.push(Some(of_routine));
-        for (number, step) in (0..count).zip(of_routine..) {
-            finder.found.clear();
-            let depends_on_memory = match &routine.body {
-                Body::Ladder(rungs) => rungs.get(number).and_then(|rung| finder.nodes(&rung.nodes)),
-                Body::Text(statements) => statements.get(number).and_then(|one| finder.statement(one)),
-            };
-            if !code.uses_flags && depends_on_memory.is_some() && collector.read(step, &finder.found) {
-                settling.push(step);
-            }
-        }
+    if code.uses_flags {
+        return collector.readers();
     }
-    let mut settling = settling.into_iter().peekable();
-    for (routine, first) in code.routines.iter_mut().zip(first) {
-        routine.first_step = first;
-        let Some(first) = first else { continue };
-        let mut settles = |number: usize| settling.next_if_eq(&(first + number as u32)).is_some();
+    let mut finder = Finder::new(code);
+    // Of each routine the number of its first step, and for each step whether it can settle.
+    let found: Vec<Option<(u32, Vec<bool>)>> = code
+        .routines
+        .iter()
+        .map(|routine| {
+            // The places of an add-on instruction are those of its calls.
+            routine.of_program?;
+            let known: Vec<Option<Vec<Operands>>> = match &routine.body {
+                Body::Ladder(rungs) => rungs.iter().map(|rung| finder.of_rung(rung)).collect(),
+                Body::Text(statements) => statements.iter().map(|one| finder.of_statement(one)).collect(),
+            };
+            let first = collector.add_steps(known.len());
+            let settles = (first..).zip(known);
+            let settles = settles.map(|(step, known)| known.is_some_and(|operands| collector.read(step, &operands)));
+            Some((first, settles.collect()))
+        })
+        .collect();
+    for (routine, found) in code.routines.iter_mut().zip(found) {
+        let Some((first, settles)) = found else { continue };
+        routine.first_step = Some(first);
         match &mut routine.body {
             Body::Ladder(rungs) => {
                 let mut behind = 0;
-                for (number, rung) in rungs.iter_mut().enumerate() {
+                for (rung, settles) in rungs.iter_mut().zip(settles) {
                     behind += instructions(&rung.nodes) + 1;
-                    (rung.settles, rung.behind) = (settles(number), behind);
+                    (rung.settles, rung.behind) = (settles, behind);
                 }
             }
             Body::Text(statements) => {
-                for (number, statement) in statements.iter_mut().enumerate() {
-                    statement.settles = settles(number);
+                for (statement, settles) in statements.iter_mut().zip(settles) {
+                    statement.settles = settles;
                 }
             }
         }
@@ -107,20 +100,32 @@ impl<'c> Finder<'c> {
         }
     }
 
+    /// The operands of a rung; `None`: it cannot settle.
+    fn of_rung(&mut self, rung: &Rung) -> Option<Vec<Operands>> {
+        self.found.clear();
+        self.nodes(&rung.nodes)?;
+        Some(std::mem::take(&mut self.found))
+    }
+
+    /// The same of a statement.
+    fn of_statement(&mut self, statement: &Statement) -> Option<Vec<Operands>> {
+        self.found.clear();
+        self.statement(statement)?;
+        Some(std::mem::take(&mut self.found))
+    }
+
+    fn note(&mut self, from: u32, to: u32, mask: u8) -> Known {
+        self.found.push(Operands { from, to, mask });
+        Some(())
+    }
+
     fn nodes(&mut self, nodes: &[Node]) -> Known {
         nodes.iter().try_for_each(|node| match node {
             Node::Xic(at, mask)
             | Node::Xio(at, mask)
             | Node::Ote(at, mask)
             | Node::Otl(at, mask)
-            | Node::Otu(at, mask) => {
-                self.found.push(Operands {
-                    from: *at,
-                    to: at + 1,
-                    mask: *mask,
-                });
-                Some(())
-            }
+            | Node::Otu(at, mask) => self.note(*at, at + 1, *mask),
             Node::Branch(legs) => legs.iter().try_for_each(|leg| self.nodes(leg)),
             Node::Instruction(instruction) => self.instruction(instruction),
         })
@@ -172,7 +177,9 @@ impl<'c> Finder<'c> {
 
     fn instruction(&mut self, instruction: &Instruction) -> Known {
         match (instruction.op, &*instruction.arguments) {
-            (Op::Ton | Op::Tof | Op::Rto | Op::Ctu | Op::Ctd | Op::Res, [Argument::Area(one), ..]) => self.element(one),
+            (Op::Ton | Op::Tof | Op::Rto | Op::Ctu | Op::Ctd | Op::Res, [Argument::Area(one), ..]) => {
+                self.place(&one.place, one.size, 0xFF)
+            }
             // What they do with a true rung is more than writes to the memory, or leaves the step: it settles with a false one.
             (Op::Jsr | Op::For | Op::Gsv | Op::Ssv | Op::Event | Op::Jmp | Op::Tnd | Op::Ret | Op::Brk, _) => Some(()),
             // Its operands are read when it executes, which no settled step does.
@@ -249,9 +256,8 @@ impl<'c> Finder<'c> {
         call.outputs.iter().try_for_each(|copy| self.argument(&copy.to))?;
         let was_inside = std::mem::replace(&mut self.is_inside, true);
         let copies = call.inputs.iter().map(|copy| &copy.to);
-        let copies = copies.chain(call.outputs.iter().map(|copy| &copy.from));
+        let mut copies = copies.chain(call.outputs.iter().map(|copy| &copy.from));
         let known = copies
-            .into_iter()
             .try_for_each(|one| self.argument(one))
             .and_then(|()| self.body(call.definition));
         self.is_inside = was_inside;
@@ -302,14 +308,7 @@ impl<'c> Finder<'c> {
     fn expression(&mut self, value: &Ex) -> Known {
         match value {
             Ex::Integer(_) | Ex::Real(_) => Some(()),
-            Ex::Dint(at) => {
-                self.found.push(Operands {
-                    from: *at,
-                    to: at + 4,
-                    mask: 0xFF,
-                });
-                Some(())
-            }
+            Ex::Dint(at) => self.note(*at, at + 4, 0xFF),
             Ex::Load(number) => self.number(number),
             Ex::Bit(bit) => self.bit(bit),
             Ex::Status(_) => None,
@@ -355,11 +354,6 @@ impl<'c> Finder<'c> {
         }
     }
 
-    /// One element of an area.
-    fn element(&mut self, area: &Area) -> Known {
-        self.place(&area.place, area.size, 0xFF)
-    }
-
     /// An area with all that stands behind it in its tag.
     fn area(&mut self, area: &Area) -> Known {
         let before = area.skipped;
@@ -383,12 +377,7 @@ impl<'c> Finder<'c> {
         if place.base != 0 {
             return self.is_inside.then_some(());
         }
-        self.found.push(Operands {
-            from: place.at,
-            to: place.at + behind + size,
-            mask,
-        });
-        Some(())
+        self.note(place.at, place.at + behind + size, mask)
     }
 }
 

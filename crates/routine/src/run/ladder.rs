@@ -82,10 +82,11 @@ impl<'s> Scan<'s> {
             if TRACED {
                 self.s.trace_rung(next, power);
             }
-            let changes = self.begin_step(rung.settles);
+            let settling = step.filter(|_| rung.settles);
+            let changes = self.begin_step(settling);
             match self.nodes::<TRACED>(&rung.nodes, power) {
                 Ok(_) => {
-                    self.end_step(rung.settles, step, changes);
+                    self.end_step(settling, changes);
                     next += 1;
                 }
                 Err(Exit::Jump(rung)) => next = rung as usize,
@@ -96,7 +97,7 @@ impl<'s> Scan<'s> {
         Ok(())
     }
 
-    /// Behind steps of so many instructions: the budget, the writes of clients and the watchdog, whose fault the program may handle.
+    /// After steps of so many instructions: counts them, takes the writes of clients, and checks the watchdog, whose fault the program may handle.
     pub(crate) fn go_on(&mut self, instructions: usize) -> Run<()> {
         match self.spend(instructions).and_then(|()| self.pass()) {
             Err(Exit::Fault) if self.recovers() => Ok(()),
@@ -117,16 +118,15 @@ impl<'s> Scan<'s> {
         !self.s.prescan && !self.s.zone
     }
 
-    /// Before a step that can settle; returns the number of changes of the memory.
-    pub(crate) fn begin_step(&mut self, settles: bool) -> u64 {
-        self.s.is_restless &= !settles;
+    /// Begins a step, which is `settling` if it can settle; returns the number of changes of the memory.
+    pub(crate) fn begin_step(&mut self, settling: Option<u32>) -> u64 {
+        self.s.is_restless &= settling.is_none();
         self.s.memory.changes()
     }
 
-    /// Behind a step: it settles if it has changed nothing.
-    pub(crate) fn end_step(&mut self, settles: bool, step: Option<u32>, changes: u64) {
-        if settles
-            && let Some(step) = step
+    /// Ends a step: it settles if it has changed nothing.
+    pub(crate) fn end_step(&mut self, settling: Option<u32>, changes: u64) {
+        if let Some(step) = settling
             && self.has_power()
             && !self.s.is_restless
             && self.s.memory.changes() == changes

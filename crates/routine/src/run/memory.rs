@@ -1,8 +1,9 @@
 //! The bytes of all tags, and the steps whose execution would change none of them.
 //!
-//! A step is a rung or a statement of a program's routine. One that was executed without any change of the memory, and whose result depends on the
-//! memory alone, would change nothing the next time either, until another value stands in its operands: it is *settled*, and the scan passes over it.
-//! So a scan costs what has changed. Every write goes through here, since it ends the rest of the steps that have these bytes among their operands.
+//! A step is a rung or a statement of a program's routine. A step that was executed without any change of the memory, and whose result depends on the
+//! memory alone, would change nothing the next time either, until one of its operands changes: it is *settled*, and the scan passes over it. A scan
+//! therefore takes time only for steps that are not settled. Every write to the memory goes through [`Memory`], which unsettles the steps that have a
+//! changed bit among their operands.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -70,7 +71,7 @@ impl Memory {
         }
     }
 
-    /// Writes the bits of a mask: of a byte those of the value, or others with the value of all.
+    /// Writes those bits of a byte that a mask has, from a value.
     pub fn put_bits(&mut self, at: usize, mask: u8, value: u8) {
         if let Some(old) = self.bytes.get(at).copied() {
             self.put(at, [old & !mask | value & mask]);
@@ -90,7 +91,7 @@ impl Memory {
         if place == new {
             return;
         }
-        // By words, so that what is equal between two differences ends no rest.
+        // Word by word: an equal word between two different ones unsettles no step.
         for (number, part) in new.chunks(WORD).enumerate() {
             let at = at + number * WORD;
             match <[u8; WORD]>::try_from(part) {
@@ -127,7 +128,7 @@ impl Memory {
         }
     }
 
-    /// Ends the rest of the steps that have one of these bits among their operands.
+    /// Unsettles the steps that have one of these bits among their operands.
     fn unsettle(&mut self, word: usize, bits: u32) {
         if bits == 0 {
             return;

@@ -20,9 +20,10 @@ impl<'s> Scan<'s> {
                 self.go_on(settled)?;
                 continue;
             }
-            let changes = self.begin_step(statement.settles);
+            let settling = step.filter(|_| statement.settles);
+            let changes = self.begin_step(settling);
             self.statement_of_scan(statement)?;
-            self.end_step(statement.settles, step, changes);
+            self.end_step(settling, changes);
             next += 1;
         }
         Ok(())
