@@ -44,17 +44,42 @@ pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, planning_tim
     whole.planned_for(moves, limits)
 }
 
-/// Plans the first moves from rest to rest, so few that the motion can begin soon; [`crate::extend`] adds the others during the motion. It plans
+/// Plans the first moves from rest to rest, so few that the motion begins soon; [`crate::extend`] adds the others during the motion. It plans
 /// all moves if they are few, or if they form a whole contour with many sharp corners, which is faster when it is planned at once.
 #[must_use]
 pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     match first_moves(moves) {
         None => plan(moves, limits),
-        Some(first) => plan_with(&moves[..first], limits, PlanningTime::Streaming),
+        Some(first) => {
+            let soon = passed_within(&moves[..first], limits, TUNING.extend.first_s);
+            let count = soon.max(TUNING.extend.first_moves).min(moves.len());
+            plan_with(&moves[..count], limits, PlanningTime::Streaming)
+        }
     }
 }
 
-/// The number of moves of a stream to plan first; `None`: the moves form a whole contour.
+/// The number of moves that a motion from rest reaches within some seconds, by the speeds of its first guess.
+fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64) -> usize {
+    let (mut begin, mut left) = (0, seconds);
+    while begin < moves.len() {
+        let end = between_stops(moves, begin).end;
+        let passes = if moves[begin..end].iter().any(ContourMove::has_length) {
+            Section::new(&moves[begin..end], limits, SectionStart::Rest, Quality::TimingOnly).passes()
+        } else {
+            Vec::new()
+        };
+        let passed = passes.partition_point(|&time| time < left);
+        if passed < passes.len() {
+            let mut long = (begin..end).filter(|&k| moves[k].has_length());
+            return long.nth(passed).map_or(end, |k| k + 1);
+        }
+        left -= passes.last().unwrap_or(&0.0);
+        begin = end;
+    }
+    moves.len()
+}
+
+/// The most moves of a stream to plan first, by their programmed speeds; `None`: the moves form a whole contour.
 fn first_moves(moves: &[ContourMove]) -> Option<usize> {
     // The last known move ends in a stop, or at a corner without a tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);

@@ -15,7 +15,7 @@ use crate::solve::setup::Conditions;
 use crate::solve::stages::{Limited, Quality, Stage, StageResult, last_stages, stages};
 use crate::solve::work::Work;
 use crate::timing::control_points::ControlPoints;
-use crate::timing::first_guess::first_guess;
+use crate::timing::first_guess::{first_guess, pass_times};
 use crate::timing::resample::{project, resample};
 use crate::tolerance::LIMIT_SHARE;
 use crate::trajectory::MoveEnd;
@@ -104,7 +104,10 @@ impl<'a> Section<'a> {
             (PlanningTime::Streaming, Quality::Smooth) => Work::to_begin(),
             _ => Work::from_rest(control.points.len()),
         };
-        let stages = stages(self.smoothness, self.quality);
+        let mut stages = stages(self.smoothness, self.quality);
+        if planning_time == PlanningTime::Streaming {
+            stages.iter_mut().for_each(Stage::end_soon);
+        }
         Some(self.finish(self.run(control, &stages, &mut work).ok()?))
     }
 
@@ -112,6 +115,12 @@ impl<'a> Section<'a> {
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
         let stages = stages(self.smoothness, self.quality);
         self.run(self.first_guess(), &stages, work).ok()
+    }
+
+    /// The instants at which the first guess passes the ends of the moves that have a length, without limits of the jerk.
+    pub(crate) fn passes(&self) -> Vec<f64> {
+        let (free, stretches) = self.without_jerk();
+        pass_times(&self.reference, &stretches, &free)
     }
 
     fn first_guess(&self) -> ControlPoints {

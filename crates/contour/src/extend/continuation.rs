@@ -101,7 +101,13 @@ impl Continuation<'_> {
     }
 
     /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
-    pub(crate) fn plan_gently_and_smooth(&self, earliest: f64, brakes: f64, budget: &mut Budget) -> Option<Trajectory> {
+    pub(crate) fn plan_gently_and_smooth(
+        &self,
+        earliest: f64,
+        brakes: f64,
+        shares: &[[f64; 2]],
+        budget: &mut Budget,
+    ) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
         let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
         let first = earliest.max(brakes - TUNING.gentle.before_s);
@@ -113,7 +119,7 @@ impl Continuation<'_> {
         first_within(&instants, budget, |&(_, leave), mend, budget| {
             let splice = first.max(before(running, leave));
             self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                let control = gentle_and_smooth(&section, followed, &TUNING.gentle.smooth_shares, budget)?;
+                let control = gentle_and_smooth(&section, followed, shares, budget)?;
                 hastened(&section, control, mend, budget)
             })
         })

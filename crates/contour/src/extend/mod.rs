@@ -96,7 +96,9 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         // What is found from a warm start outside of the limits is found soon, but the optimisation of a gentle plan takes its time.
         let takes = match search {
             Search::Attempts(..) => 0.0,
-            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth => TUNING.patience.gentle_takes * seconds,
+            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth | Search::SlowAndSmooth => {
+                TUNING.patience.gentle_takes * seconds
+            }
         };
         let earliest = earliest + spent.get() + takes;
         let found = extended(&continuation, old, earliest, search, &mut budget);
@@ -122,12 +124,24 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         plan(smooth, 1.0, patience_of_smooth)
             .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
+            // In a short rest, the searches behind it need the time.
+            .or_else(|| {
+                let is_long = left >= TUNING.extend.least_s;
+                is_long.then(|| plan(Search::SlowAndSmooth, 1.0, patience.gentle_and_smooth))?
+            })
             .or_else(|| {
                 let search = Search::Attempts(Quality::Smooth, &TUNING.attempts.sooner);
                 plan(search, 1.0, patience.smooth_sooner)
             })
             // A smooth curve cannot be left for evenly rounded corners in its course.
             .or_else(sooner)
+            .or_else(|| {
+                plan(
+                    Search::GentleAndSmooth,
+                    TUNING.extend.less_share,
+                    patience.gentle_and_few,
+                )
+            })
             .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
@@ -186,7 +200,14 @@ fn extended(
             return continuation.plan_gently(soonest.max(brakes - TUNING.gentle.before_s), brakes, budget);
         }
         Search::GentleSooner => return continuation.plan_gently(soonest, brakes_from(running), budget),
-        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(soonest, brakes_from(running), budget),
+        Search::GentleAndSmooth => {
+            let shares = &TUNING.gentle.smooth_shares;
+            return continuation.plan_gently_and_smooth(soonest, brakes_from(running), shares, budget);
+        }
+        Search::SlowAndSmooth => {
+            let shares = &TUNING.gentle.slow_shares;
+            return continuation.plan_gently_and_smooth(soonest, brakes_from(running), shares, budget);
+        }
         Search::Attempts(_, attempts) => attempts,
     };
     // A search that fails from one instant of the running motion may succeed from a later one.

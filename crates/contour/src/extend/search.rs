@@ -14,6 +14,8 @@ pub(crate) enum Search<'a> {
     GentleSooner,
     /// Within all limits from the warm start on, along the smooth curve of dense chords.
     GentleAndSmooth,
+    /// As `GentleAndSmooth`, from a slower warm start.
+    SlowAndSmooth,
 }
 
 impl Search<'_> {
@@ -21,7 +23,7 @@ impl Search<'_> {
         match self {
             Search::Attempts(quality, _) => quality,
             Search::Gentle | Search::GentleSooner => Quality::TimingOnly,
-            Search::GentleAndSmooth => Quality::Smooth,
+            Search::GentleAndSmooth | Search::SlowAndSmooth => Quality::Smooth,
         }
     }
 }

@@ -82,6 +82,14 @@ pub(crate) fn first_guess(
     control
 }
 
+/// The instants at which the speed profile of trapezoids passes the ends of the pieces.
+pub(crate) fn pass_times(reference: &ReferencePath, stretches: &[Stretch], bounds: &[MoveLimits]) -> Vec<f64> {
+    let samples = sample(reference, stretches);
+    let profile = speeds(reference, &samples, bounds, Smoothness::Trapezoid, 0.0);
+    let ends = reference.starts.iter().skip(1);
+    ends.map(|&s| time_at(&samples, &profile, s)).collect()
+}
+
 /// The time at which the profile passes an arc length of the reference path.
 fn time_at(samples: &[Sample], profile: &SampledSpeeds, s: f64) -> f64 {
     let k = samples
