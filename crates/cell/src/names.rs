@@ -362,10 +362,6 @@ impl Directory for Names<'_> {
             "homemode" => f64::from(home.mode as u8),
             "homesequence" => f64::from(home.sequence as u8),
             "homedirection" => f64::from(home.direction as u8),
-            "homeposition" => home.position,
-            "homeoffset" => home.offset,
-            "homespeed" => home.speed,
-            "homereturnspeed" => home.return_speed,
             _ => return None,
         })
     }

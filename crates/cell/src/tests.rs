@@ -233,7 +233,8 @@ fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
         ("a maximum of a system",  "CoordinateSystem,CS,MaximumSpeed,Target",             true),
         ("a maximum of an axis",   "Axis,X,MaximumDeceleration,Target",                   false),
         ("a member of a tag",      "Axis,X,ActualPosition,Target",                        false),
-        ("an attribute of homing", "Axis,X,HomeSpeed,Target",                             false),
+        ("the speed of homing",    "Axis,X,HomeSpeed,Target",                             true),
+        ("the mode of homing",     "Axis,X,HomeMode,Target",                              false),
         ("the clock",              "WallClockTime,,DateTime,Date[0]",                     false),
         ("the clock in one",       "WallClockTime,,CurrentValue,Date[0]",                 false),
         ("bits of an axis",        "Axis,X,DynamicsConfigurationBits,Fixed",              true),
@@ -362,6 +363,30 @@ fn the_task_of_a_home_event_runs_with_each_homing() {
         );
         assert_eq!(value(&mut cell, "H.PC").as_bool(), Some(true));
         assert_eq!(value(&mut cell, "X.HomeEventStatus").as_bool(), Some(true));
+        cell.write("Start", &WriteValue::Bool(false)).expect("a tag");
+        ticks(&mut cell, 10);
+    }
+}
+
+#[test]
+fn an_ssv_of_homing_counts_from_the_next_mah() {
+    let tags = "<Tag Name=\"Place\" TagType=\"Base\" DataType=\"REAL\" ExternalAccess=\"Read/Write\"/>\
+                <Tag Name=\"H\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" ExternalAccess=\"Read/Write\"/>";
+    let rungs = [
+        "SSV(Axis,X,HomePosition,Place);",
+        "XIC(Start)MAH(X,H);",
+        "GSV(Axis,X,HomePosition,Target);",
+    ];
+    let mut cell = begun(&with(tags, &rungs));
+    for place in [12.5, -3.0] {
+        cell.write("Place", &WriteValue::Number(place)).expect("a tag");
+        ticks(&mut cell, 10);
+        cell.write("Start", &WriteValue::Bool(true)).expect("a tag");
+        ticks(&mut cell, 10);
+        assert_eq!(
+            (number(&mut cell, "Target"), number(&mut cell, "X.ActualPosition")),
+            (place, place)
+        );
         cell.write("Start", &WriteValue::Bool(false)).expect("a tag");
         ticks(&mut cell, 10);
     }

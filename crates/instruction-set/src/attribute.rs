@@ -37,6 +37,14 @@ pub enum Quantity {
     CommandPositionTolerance,
     /// Dynamics Configuration Bits, a sum of bits up to [`DYNAMICS_CONFIGURATION_BITS`].
     DynamicsConfigurationBits,
+    /// Home Position, position units; of a rotary axis the rest within one turn counts.
+    HomePosition,
+    /// Home Offset, position units.
+    HomeOffset,
+    /// Home Speed, position units/s.
+    HomeSpeed,
+    /// Home Return Speed, position units/s.
+    HomeReturnSpeed,
 }
 
 /// A value of an attribute that is set while the machine runs.
@@ -83,7 +91,15 @@ impl Attribute {
     /// configuration sets them.
     #[must_use]
     pub fn is_settable(&self) -> bool {
-        self.object == Object::CoordinateSystem || self.quantity == Quantity::DynamicsConfigurationBits
+        let is_maximum = matches!(
+            self.quantity,
+            Quantity::MaximumSpeed
+                | Quantity::MaximumAcceleration
+                | Quantity::MaximumDeceleration
+                | Quantity::MaximumAccelerationJerk
+                | Quantity::MaximumDecelerationJerk
+        );
+        self.object == Object::CoordinateSystem || !is_maximum
     }
 
     /// Whether the attribute is a UDINT on the wire; any other is an LREAL.
@@ -126,6 +142,7 @@ impl Attribute {
                 (0.0..=f64::from(DYNAMICS_CONFIGURATION_BITS)).contains(&value) && value.fract() == 0.0
             }
             Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => (0.0..=f64::MAX).contains(&value),
+            Quantity::HomePosition | Quantity::HomeOffset => value.is_finite(),
             _ => value > 0.0 && value.is_finite(),
         }
     }
@@ -136,6 +153,7 @@ impl Attribute {
         match self.quantity {
             Quantity::DynamicsConfigurationBits => "a whole number from 0 to 7",
             Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => "a number from 0 on",
+            Quantity::HomePosition | Quantity::HomeOffset => "a number",
             _ => "a number above 0",
         }
     }
@@ -149,6 +167,10 @@ pub const ATTRIBUTES: &[Attribute] = &[
     axis("MaximumAccelerationJerk", 6, Quantity::MaximumAccelerationJerk),
     axis("MaximumDecelerationJerk", 7, Quantity::MaximumDecelerationJerk),
     axis("DynamicsConfigurationBits", 11, Quantity::DynamicsConfigurationBits),
+    axis("HomePosition", 89, Quantity::HomePosition),
+    axis("HomeOffset", 90, Quantity::HomeOffset),
+    axis("HomeSpeed", 112, Quantity::HomeSpeed),
+    axis("HomeReturnSpeed", 113, Quantity::HomeReturnSpeed),
     system("MaximumSpeed", 3, Quantity::MaximumSpeed),
     system("MaximumAcceleration", 4, Quantity::MaximumAcceleration),
     system("MaximumDeceleration", 5, Quantity::MaximumDeceleration),

@@ -1,7 +1,9 @@
 //! The attributes of axes and coordinate systems that clients set while the machine runs (spec/axis-and-data-types.md §9.6).
 
 use arcline_instruction_set::{AxisId, Object, Quantity, Setting, SystemId};
+use arcline_profile::numeric::modulo;
 
+use crate::axis::Axis;
 use crate::machine::DynamicsBits;
 use crate::motion::Motion;
 use crate::system::System;
@@ -13,9 +15,8 @@ impl Motion {
         match setting.object {
             Object::MotionGroup => {}
             Object::Axis => {
-                let axis = self.axes.get_mut(AxisId(setting.index));
-                if let (Some(axis), Quantity::DynamicsConfigurationBits) = (axis, setting.quantity) {
-                    axis.dynamics_bits = bits(setting.value);
+                if let Some(axis) = self.axes.get_mut(AxisId(setting.index)) {
+                    axis.set(setting.quantity, setting.value);
                 }
             }
             Object::CoordinateSystem => {
@@ -23,6 +24,26 @@ impl Motion {
                     system.set(setting.quantity, setting.value);
                 }
             }
+        }
+    }
+}
+
+impl Axis {
+    fn set(&mut self, quantity: Quantity, value: f64) {
+        let home = &mut self.next_home;
+        match quantity {
+            Quantity::HomePosition => home.position = self.unwind.map_or(value, |turn| modulo(value, turn)),
+            Quantity::HomeOffset => home.offset = value,
+            Quantity::HomeSpeed => home.speed = value,
+            Quantity::HomeReturnSpeed => home.return_speed = value,
+            Quantity::DynamicsConfigurationBits => self.dynamics_bits = bits(value),
+            Quantity::MaximumSpeed
+            | Quantity::MaximumAcceleration
+            | Quantity::MaximumDeceleration
+            | Quantity::MaximumAccelerationJerk
+            | Quantity::MaximumDecelerationJerk
+            | Quantity::ActualPositionTolerance
+            | Quantity::CommandPositionTolerance => {}
         }
     }
 }
@@ -39,6 +60,7 @@ impl System {
             Quantity::ActualPositionTolerance => description.actual_tolerance = value,
             Quantity::CommandPositionTolerance => description.command_tolerance = value,
             Quantity::DynamicsConfigurationBits => self.travel.set_dynamics_bits(bits(value)),
+            Quantity::HomePosition | Quantity::HomeOffset | Quantity::HomeSpeed | Quantity::HomeReturnSpeed => {}
         }
     }
 }

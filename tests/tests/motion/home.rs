@@ -1,7 +1,7 @@
 //! Homing and redefined positions (spec/axis-and-data-types.md §3.2, §3.7, §9.4, §11).
 
-use arcline_instruction_set::Flag;
 use arcline_instruction_set::predefined::{axis_event, motion_status};
+use arcline_instruction_set::{Flag, Object, Quantity};
 use arcline_tests::bench::{Bench, OK};
 
 /// Speed, rates and profile of every move here: a trapezoid at 100 units/s.
@@ -731,5 +731,42 @@ fn a_stop_of_everything_ends_homing_that_waits() {
             0,
             "{stop}"
         );
+    }
+}
+
+#[test]
+fn homing_attributes_count_from_the_next_homing() {
+    let home = "home = { sequence = \"switch\", position = 7, offset = 2, speed = 50, return_speed = 20, switch = { min = 0, max = 60 } }\n";
+    for (axis, start, position, shown) in [("", -53, 1000.0, 1000.0), ("unwind = 360\n", 307, -10.0, 350.0)] {
+        let mut bench = machine(&format!(
+            "{axis}start = {{ position = {start}, homed = false }}\n{home}"
+        ));
+        let set = |bench: &mut Bench, quantity, value| bench.set_attribute(Object::Axis, "X", quantity, value);
+        let home_again = |bench: &mut Bench, meanwhile: Option<f64>| {
+            let (mut fastest, mut moved) = (0.0_f64, 0.0);
+            assert_eq!(bench.call("MAH(X, H1)"), OK);
+            if let Some(position) = meanwhile {
+                bench.run(10);
+                set(bench, Quantity::HomePosition, position);
+                set(bench, Quantity::HomeOffset, 5.0);
+                set(bench, Quantity::HomeSpeed, 30.0);
+                set(bench, Quantity::HomeReturnSpeed, 10.0);
+            }
+            while !bench.control("H1").has(Flag::Pc) {
+                let [_, speed, _] = bench.axis("X").command;
+                fastest = fastest.max(speed.abs());
+                moved += speed * 1e-3;
+                bench.tick();
+            }
+            (bench.position("X"), fastest, moved)
+        };
+        let (end, fastest, _) = home_again(&mut bench, Some(position));
+        assert_eq!((end, fastest), (7.0, 50.0), "{axis}");
+        // It stands 2 units behind the edge of the switch, and 5 afterwards.
+        bench.execute(&format!("MAM(X, M1, 1, -60, {RATES})"));
+        bench.until("M1", Flag::Pc);
+        let (end, fastest, moved) = home_again(&mut bench, None);
+        assert_eq!((end, fastest), (shown, 30.0), "{axis}");
+        assert!((moved - 63.0).abs() < 0.1, "{axis}: {moved}");
     }
 }

@@ -246,6 +246,9 @@ fn setting(random: &mut Random) -> (Quantity, f64) {
         Quantity::ActualPositionTolerance => random.between(0.001, 1.0),
         Quantity::CommandPositionTolerance => random.between(0.0, 20.0),
         Quantity::DynamicsConfigurationBits => random.below(8) as f64,
+        Quantity::HomePosition | Quantity::HomeOffset | Quantity::HomeSpeed | Quantity::HomeReturnSpeed => {
+            unreachable!("an attribute of axes")
+        }
     };
     (quantity, value)
 }

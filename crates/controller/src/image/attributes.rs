@@ -133,6 +133,10 @@ fn configured(machine: &Machine, attribute: &Attribute, index: u16) -> Option<f6
                 Quantity::MaximumAccelerationJerk => axis.max_acceleration_jerk,
                 Quantity::MaximumDecelerationJerk => axis.max_deceleration_jerk,
                 Quantity::DynamicsConfigurationBits => axis.dynamics_bits.bits().into(),
+                Quantity::HomePosition => axis.home.position,
+                Quantity::HomeOffset => axis.home.offset,
+                Quantity::HomeSpeed => axis.home.speed,
+                Quantity::HomeReturnSpeed => axis.home.return_speed,
                 Quantity::ActualPositionTolerance | Quantity::CommandPositionTolerance => return None,
             })
         }
@@ -147,6 +151,9 @@ fn configured(machine: &Machine, attribute: &Attribute, index: u16) -> Option<f6
                 Quantity::ActualPositionTolerance => system.actual_tolerance,
                 Quantity::CommandPositionTolerance => system.command_tolerance,
                 Quantity::DynamicsConfigurationBits => system.dynamics_bits.bits().into(),
+                Quantity::HomePosition | Quantity::HomeOffset | Quantity::HomeSpeed | Quantity::HomeReturnSpeed => {
+                    return None;
+                }
             })
         }
     }

@@ -71,6 +71,7 @@ impl Axis {
     /// Begins a sequence at the present tick. All other generators of an axis that is homed actively have ended; `from` is its motion until
     /// then, which brakes within `stop`.
     pub(crate) fn begin_homing(&mut self, execution: Execution, from: KinematicState, stop: &Limits, clock: &Clock) {
+        self.home = self.next_home;
         let active = self.home.mode == HomeMode::Active;
         let driven = active && self.state == AxisState::Running;
         self.homed = false;

@@ -71,6 +71,8 @@ pub(crate) struct Axis {
     pub(crate) stale: bool,
     pub(crate) homed: bool,
     pub(crate) home: Home,
+    /// The values of `home` from the next MAH on.
+    pub(crate) next_home: Home,
     pub(crate) homing: Option<Homing>,
     /// Homing reached the home point within the update.
     home_reached: bool,
@@ -134,6 +136,7 @@ impl Axis {
             stale: false,
             homed: start.homed,
             home: description.home,
+            next_home: description.home,
             homing: None,
             home_reached: false,
             home_event: false,
