@@ -477,6 +477,14 @@ fn homing_that_cannot_be() {
         }
         assert_eq!(bench.call("MAH(X, H1)"), *expected, "{why}");
     }
+    for quantity in [Quantity::HomePosition, Quantity::HomeOffset] {
+        // Positions of the axis are at most 2^32 updates at Maximum Speed from 0, 4.3e9 units.
+        for (far, expected) in [(4e9, OK), (-5e9, (41, 0)), (1e300, (41, 0))] {
+            let mut bench = on_switch();
+            bench.set_attribute(Object::Axis, "X", quantity, far);
+            assert_eq!(bench.call("MAH(X, H1)"), expected, "{quantity:?} {far}");
+        }
+    }
     let mut bench = on_switch();
     bench.call(&format!("MAM(X, M1, 1, 500, {RATES})"));
     bench.run(200);

@@ -37,7 +37,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
     Ok(())
 }
 
-/// Checks that the sequence can run: the axis has its inputs, and the switch has the edge that it seeks.
+/// Checks that the sequence can run: the axis has its inputs, the switch has the edge that it seeks, and positions are within the axis's range.
 fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
     let home = &axis.home;
     let HomeInputs { switch, marker, stops } = home.inputs;
@@ -61,6 +61,10 @@ fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
         && matches!(home.sequence, HomeSequence::Switch | HomeSequence::SwitchMarker)
         && !switch.becomes_active(home.direction)
     {
+        return Err(MotionError::IllegalHomingConfig);
+    }
+    let farthest = axis.next_home.position.abs().max(axis.next_home.offset.abs());
+    if farthest > axis.range {
         return Err(MotionError::IllegalHomingConfig);
     }
     Ok(())

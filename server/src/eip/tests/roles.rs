@@ -51,7 +51,7 @@ pub(super) fn set(class: u16, attribute: u16, data: &[u8]) -> Request {
 }
 
 /// Every attribute that can be set, by its class and number, with the right that a value of zeros needs. A test holds that there are no others.
-const SETTABLE: [(u16, u16, Right); 19] = [
+const SETTABLE: [(u16, u16, Right); 23] = [
     (0x04, 3, Right::OwnOutputs),
     (0x06, 100, Right::SetLoss),
     (0x8B, 5, Right::SetClock),
@@ -61,6 +61,10 @@ const SETTABLE: [(u16, u16, Right); 19] = [
     (0xF5, 13, Right::SetInactivity),
     (0x0301, of_axis::INJECTED_FAULTS, Right::InjectFaults),
     (0x0301, 11, Right::SetAttribute),
+    (0x0301, 89, Right::SetAttribute),
+    (0x0301, 90, Right::SetAttribute),
+    (0x0301, 112, Right::SetAttribute),
+    (0x0301, 113, Right::SetAttribute),
     (0x0302, 3, Right::SetAttribute),
     (0x0302, 4, Right::SetAttribute),
     (0x0302, 5, Right::SetAttribute),
