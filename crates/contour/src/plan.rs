@@ -48,17 +48,13 @@ pub(crate) fn plan_with(moves: &[ContourMove], limits: &AxisLimits, planning_tim
 /// all moves if they are few, or if they form a whole contour with many sharp corners, which is faster when it is planned at once.
 #[must_use]
 pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
-    match first_moves(moves) {
+    match first_moves(moves, limits) {
         None => plan(moves, limits),
-        Some(first) => {
-            let soon = passed_within(&moves[..first], limits, TUNING.extend.first_s);
-            let count = soon.max(TUNING.extend.first_moves).min(moves.len());
-            plan_with(&moves[..count], limits, PlanningTime::Streaming)
-        }
+        Some(first) => plan_with(&moves[..first], limits, PlanningTime::Streaming),
     }
 }
 
-/// The number of moves that a motion from rest reaches within some seconds, by the speeds of its first guess.
+/// The number of moves on which a motion from rest is within some seconds, by the speeds of its first guess.
 fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64) -> usize {
     let (mut begin, mut left) = (0, seconds);
     while begin < moves.len() {
@@ -79,8 +75,8 @@ fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64) -> us
     moves.len()
 }
 
-/// The most moves of a stream to plan first, by their programmed speeds; `None`: the moves form a whole contour.
-fn first_moves(moves: &[ContourMove]) -> Option<usize> {
+/// The number of moves of a stream to plan first; `None`: the moves form a whole contour.
+fn first_moves(moves: &[ContourMove], limits: &AxisLimits) -> Option<usize> {
     // The last known move ends in a stop, or at a corner without a tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
     let dense = || {
@@ -90,13 +86,15 @@ fn first_moves(moves: &[ContourMove]) -> Option<usize> {
     if is_whole && !dense() {
         return None;
     }
+    // No motion is faster than the programmed speeds: only these moves need a guess.
     let mut seconds = 0.0;
-    let first = moves.iter().take_while(|one| {
+    let most = moves.iter().take_while(|one| {
         let before = seconds;
         seconds += one.path.length() / one.speed;
         before < TUNING.extend.first_s
     });
-    Some(first.count().max(TUNING.extend.first_moves).min(moves.len()))
+    let first = passed_within(&moves[..most.count()], limits, TUNING.extend.first_s);
+    Some(first.max(TUNING.extend.first_moves).min(moves.len()))
 }
 
 /// The motion can pass the joint between two moves without a stop.

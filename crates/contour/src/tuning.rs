@@ -290,7 +290,7 @@ constants! {
         last: StageTuning = stage(10.0, 2000.0, 8),
         /// 2 repairs: no difference here.
         repairs: usize = 4,
-        /// The largest weight for the first moves of a stream, which wait for their plan.
+        /// The largest weight for a motion from rest in a stream: the first moves wait for their plan.
         /// 1,000: one in ten streams of trapezoids was planned in 17 ms or more, not 7; S-curves in 10.7 ms (median), not 8.3. 25: their motion took 3 %
         /// longer.
         begun: f64 = 200.0,
@@ -358,6 +358,9 @@ constants! {
         /// A gentle plan of few moves, after all others. With it and the slower warm start one of 1,060 extensions of the random streams was not found, not 9;
         /// their motion with S-curves is 0.8 % shorter.
         gentle_and_few: f64 = 0.2,
+        /// Rest of the running motion, seconds, below which no slower warm start is tried: the searches after it need the time. With 0 one of 257 streams rested
+        /// whose plans were 20 ms late, not none.
+        slow_least_rest_s: f64 = 0.25,
         /// The last one may take most of what is left, and this number of seconds in any case: nothing is planned after it.
         last: f64 = 0.5,
         least_last_s: f64 = 0.05,

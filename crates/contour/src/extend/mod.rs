@@ -96,7 +96,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         // What is found from a warm start outside of the limits is found soon, but the optimisation of a gentle plan takes its time.
         let takes = match search {
             Search::Attempts(..) => 0.0,
-            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth | Search::SlowAndSmooth => {
+            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth(_) => {
                 TUNING.patience.gentle_takes * seconds
             }
         };
@@ -114,6 +114,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     let plan = |search, share, patience| plan_for(search, share, patience, 0.0);
     let last = |search, share| plan_for(search, share, patience.last, patience.least_last_s);
     let smooth = Search::Attempts(Quality::Smooth, attempts);
+    let gentle_and_smooth = Search::GentleAndSmooth(&TUNING.gentle.smooth_shares);
     let arcs = moves[begin..end]
         .iter()
         .filter(|one| matches!(one.path, Path::Arc(_)))
@@ -122,12 +123,13 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     let sooner = || plan(Search::GentleSooner, TUNING.gentle.sooner_share, patience.gentle_sooner);
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
         plan(smooth, 1.0, patience_of_smooth)
-            .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
+            .or_else(|| plan(gentle_and_smooth, 1.0, patience.gentle_and_smooth))
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
             // In a short rest, the searches behind it need the time.
             .or_else(|| {
-                let is_long = left >= TUNING.extend.least_s;
-                is_long.then(|| plan(Search::SlowAndSmooth, 1.0, patience.gentle_and_smooth))?
+                let search = Search::GentleAndSmooth(&TUNING.gentle.slow_shares);
+                let is_long = left >= patience.slow_least_rest_s;
+                is_long.then(|| plan(search, 1.0, patience.gentle_and_smooth)).flatten()
             })
             .or_else(|| {
                 let search = Search::Attempts(Quality::Smooth, &TUNING.attempts.sooner);
@@ -135,13 +137,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
             })
             // A smooth curve cannot be left for evenly rounded corners in its course.
             .or_else(sooner)
-            .or_else(|| {
-                plan(
-                    Search::GentleAndSmooth,
-                    TUNING.extend.less_share,
-                    patience.gentle_and_few,
-                )
-            })
+            .or_else(|| plan(gentle_and_smooth, TUNING.extend.less_share, patience.gentle_and_few))
             .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
@@ -200,12 +196,7 @@ fn extended(
             return continuation.plan_gently(soonest.max(brakes - TUNING.gentle.before_s), brakes, budget);
         }
         Search::GentleSooner => return continuation.plan_gently(soonest, brakes_from(running), budget),
-        Search::GentleAndSmooth => {
-            let shares = &TUNING.gentle.smooth_shares;
-            return continuation.plan_gently_and_smooth(soonest, brakes_from(running), shares, budget);
-        }
-        Search::SlowAndSmooth => {
-            let shares = &TUNING.gentle.slow_shares;
+        Search::GentleAndSmooth(shares) => {
             return continuation.plan_gently_and_smooth(soonest, brakes_from(running), shares, budget);
         }
         Search::Attempts(_, attempts) => attempts,

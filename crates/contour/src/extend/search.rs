@@ -12,10 +12,8 @@ pub(crate) enum Search<'a> {
     Gentle,
     /// As `Gentle`, also from instants long before the running motion brakes for its end.
     GentleSooner,
-    /// Within all limits from the warm start on, along the smooth curve of dense chords.
-    GentleAndSmooth,
-    /// As `GentleAndSmooth`, from a slower warm start.
-    SlowAndSmooth,
+    /// Within all limits from the warm start on, along the smooth curve of dense chords, at these shares of the possible rates and speeds.
+    GentleAndSmooth(&'a [[f64; 2]]),
 }
 
 impl Search<'_> {
@@ -23,7 +21,7 @@ impl Search<'_> {
         match self {
             Search::Attempts(quality, _) => quality,
             Search::Gentle | Search::GentleSooner => Quality::TimingOnly,
-            Search::GentleAndSmooth | Search::SlowAndSmooth => Quality::Smooth,
+            Search::GentleAndSmooth(_) => Quality::Smooth,
         }
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn execute(motion: &mut Motion, execution: Execution, call: &Call) ->
 
 /// Checks that the sequence can run: the axis has its inputs, the switch has the edge that it seeks, and positions are within the axis's range.
 fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
-    let home = &axis.home;
+    let home = &axis.next_home;
     let HomeInputs { switch, marker, stops } = home.inputs;
     let assigned = match home.sequence {
         HomeSequence::Immediate => true,
@@ -63,8 +63,7 @@ fn verify_configuration(axis: &Axis) -> Result<(), MotionError> {
     {
         return Err(MotionError::IllegalHomingConfig);
     }
-    let farthest = axis.next_home.position.abs().max(axis.next_home.offset.abs());
-    if farthest > axis.range {
+    if home.position.abs().max(home.offset.abs()) > axis.range {
         return Err(MotionError::IllegalHomingConfig);
     }
     Ok(())

@@ -260,7 +260,7 @@ fn same(of: &Project, first: [u8; 16], writes: &Writes, period: u64) -> Result<(
 const WRITTEN: usize = 48;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig::with_cases(ProptestConfig::default().cases * 25 / 16))]
 
     #[test]
     fn a_scan_that_passes_over_settled_steps_gives_the_same_bytes(
