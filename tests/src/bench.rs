@@ -8,7 +8,7 @@ use std::sync::Arc;
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Image, WriteEffect};
-use arcline_controller::machine::{Machine, StartState};
+use arcline_controller::machine::{Corner, LimitPolicy, Machine, StartState};
 use arcline_controller::{Event, FaultChange, InstructionWrite, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
@@ -26,6 +26,8 @@ pub struct Bench {
     project: Project,
     /// The simulation. Only its plain tags count: the controller has motion and motion controls.
     simulation: Simulation,
+    /// The same simulation, which passes over uneventful ticks.
+    twin: Option<Twin>,
     controls: BTreeMap<String, ControlSlot>,
     arrays: Vec<String>,
     written: BTreeMap<String, Vec<f64>>,
@@ -57,20 +59,22 @@ impl Bench {
         let project = arcline_config::load(config, "bench.toml").expect("the configuration is valid");
         let machine = Arc::new(project.machine.clone());
         let simulation = Simulation::with_drives(machine, image_of(&project), drives);
-        Self::at_tick_0(project, simulation)
+        Self::at_tick_0(project, simulation, None)
     }
 
     /// A project's machine at tick 0.
     pub fn of(project: Project) -> Self {
-        let simulation = Simulation::new(Arc::new(project.machine.clone()), image_of(&project));
-        Self::at_tick_0(project, simulation)
+        let simulation = || Simulation::new(Arc::new(project.machine.clone()), image_of(&project));
+        let (own, twin) = (simulation(), Twin::of(&project.machine, simulation));
+        Self::at_tick_0(project, own, twin)
     }
 
-    fn at_tick_0(project: Project, mut simulation: Simulation) -> Self {
+    fn at_tick_0(project: Project, mut simulation: Simulation, twin: Option<Twin>) -> Self {
         simulation.begin();
         Bench {
             project,
             simulation,
+            twin,
             controls: BTreeMap::new(),
             arrays: Vec::new(),
             written: BTreeMap::new(),
@@ -120,20 +124,68 @@ impl Bench {
         let target = self.object(object, &call.target);
         let bound =
             bind(call.mnemonic, target, control, &call.operands, self).unwrap_or_else(|error| panic!("{error}"));
-        self.simulation.execute(&bound, Origin::default()).1
+        self.both(|simulation| simulation.execute(&bound, Origin::default()).1)
+    }
+
+    /// Acts on the simulation, and on its twin.
+    fn both<T>(&mut self, mut act: impl FnMut(&mut Simulation) -> T) -> T {
+        self.catch_up();
+        if let Some(twin) = &mut self.twin {
+            act(&mut twin.simulation);
+        }
+        act(&mut self.simulation)
+    }
+
+    /// The twin catches up with the present tick.
+    ///
+    /// # Panics
+    /// If it is not in the same state to the last bit, or has reported other events.
+    fn catch_up(&mut self) {
+        let Some(twin) = &mut self.twin else { return };
+        if twin.behind == 0 {
+            return;
+        }
+        twin.catch_up(&self.arrays);
+        let events = self.events.iter().map(|(_, event)| event).skip(twin.compared);
+        assert!(
+            events.eq(&twin.events),
+            "events differ if uneventful ticks are passed over"
+        );
+        twin.compared += twin.events.len();
+        twin.events.clear();
+        let trace = |simulation: &Simulation| {
+            let values = simulation.controller().trace().flatten();
+            values.map(f64::to_bits).collect::<Vec<_>>()
+        };
+        if self.simulation.snapshot() == twin.simulation.snapshot()
+            && trace(&self.simulation) == trace(&twin.simulation)
+        {
+            return;
+        }
+        // As text: a number that is none equals itself.
+        let text = |simulation: &Simulation| format!("{:#?}", simulation.snapshot());
+        let (own, other) = (text(&self.simulation), text(&twin.simulation));
+        let differ = own.lines().zip(other.lines()).filter(|(own, other)| own != other);
+        let differ: Vec<_> = differ.take(10).collect();
+        assert!(
+            own == other,
+            "tick {}: the state differs if uneventful ticks are passed over: {differ:?}",
+            self.now()
+        );
     }
 
     /// Writes a value to a plain tag.
     pub fn write(&mut self, path: &str, value: f64) {
         let path = path.parse().unwrap_or_else(|error| panic!("{path}: {error:?}"));
-        let written = self.simulation.write(Origin::default(), |image| {
+        let write = |image: &mut Image| {
             let edge = image.write_value(&path, Value::Lreal(value))?;
             assert!(
                 matches!(edge, None | Some(WriteEffect::Input)),
                 "{path} does more than a plain tag"
             );
             Ok(edge)
-        });
+        };
+        let written = self.both(|simulation| simulation.write(Origin::default(), write));
         written.unwrap_or_else(|error| panic!("{error}"));
     }
 
@@ -156,14 +208,15 @@ impl Bench {
 
     /// The rung of the instruction with this tag is false.
     pub fn rung_false(&mut self, tag: &str) {
-        self.simulation.rung_false(self.controls[tag]);
+        let control = self.controls[tag];
+        self.both(|simulation| simulation.rung_false(control));
     }
 
     /// Takes a share of the programmed speeds of a coordinate system's moves now; 0 holds.
     pub fn set_override(&mut self, system: &str, share: f64) {
         let index = self.project.machine.system(system);
         let index = index.expect("the machine has the coordinate system");
-        self.simulation.controller_mut().set_override(index, share);
+        self.both(|simulation| simulation.controller_mut().set_override(index, share));
     }
 
     /// Sets the Dynamics Configuration Bits of an axis or a coordinate system now.
@@ -174,12 +227,13 @@ impl Bench {
     /// Sets an attribute of an axis or a coordinate system now.
     pub fn set_attribute(&mut self, object: Object, name: &str, quantity: Quantity, value: f64) {
         let index = self.object(object, name).expect("the machine has the object");
-        self.simulation.controller_mut().set(Setting {
+        let setting = Setting {
             object,
             index,
             quantity,
             value,
-        });
+        };
+        self.both(|simulation| simulation.controller_mut().set(setting));
     }
 
     /// Puts causes of faults on an axis now, in place of those that were put there; they are found at the next tick.
@@ -187,12 +241,12 @@ impl Bench {
         let index = self.project.machine.axis(axis);
         let index = index.expect("the machine has the axis");
         let causes = causes.iter().fold(FaultSet::default(), |set, kind| set.with(*kind));
-        self.simulation.controller_mut().inject(index, causes);
+        self.both(|simulation| simulation.controller_mut().inject(index, causes));
     }
 
     /// Stops everything that moves now, by no instruction.
     pub fn stop_all(&mut self) {
-        self.simulation.controller_mut().stop_all();
+        self.both(|simulation| simulation.controller_mut().stop_all());
     }
 
     /// Ends the present tick and begins the next one.
@@ -218,6 +272,9 @@ impl Bench {
         self.assert_no_command_was_refused();
         let seen = look(self);
         self.simulation.begin();
+        if let Some(twin) = &mut self.twin {
+            twin.behind += 1;
+        }
         seen
     }
 
@@ -335,6 +392,76 @@ impl Bench {
     }
 }
 
+impl Drop for Bench {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.catch_up();
+        }
+    }
+}
+
+/// A simulation that gets the same calls and writes in the same ticks, and passes over the uneventful ones between them.
+struct Twin {
+    simulation: Simulation,
+    /// Ticks that it has not begun yet.
+    behind: u64,
+    /// Its events that were not compared yet, and the number of those that were.
+    events: Vec<Event>,
+    compared: usize,
+}
+
+impl Twin {
+    /// The twin of a simulation at tick 0. `None` for machines that plan contours: that would take twice the time, and ticks with contours are
+    /// never passed over.
+    fn of(machine: &Machine, simulation: impl FnOnce() -> Simulation) -> Option<Self> {
+        let mut systems = machine.systems.iter();
+        if systems.any(|system| system.corner == Corner::Precise || system.axis_limits == LimitPolicy::Enforce) {
+            return None;
+        }
+        let mut simulation = simulation();
+        simulation.begin();
+        Some(Twin {
+            simulation,
+            behind: 0,
+            events: Vec::new(),
+            compared: 0,
+        })
+    }
+
+    fn catch_up(&mut self, arrays: &[String]) {
+        let events = &mut self.events;
+        let mut reports = Reports { arrays, events };
+        while self.behind > 0 {
+            self.simulation.end(&mut reports);
+            self.behind -= 1 + self.simulation.begin_after(self.behind - 1);
+        }
+    }
+}
+
+/// The reports of a twin.
+struct Reports<'t> {
+    arrays: &'t [String],
+    events: &'t mut Vec<Event>,
+}
+
+impl Observer for Reports<'_> {
+    fn instruction_written(&mut self, write: &InstructionWrite, image: &mut Image) {
+        if own_array(self.arrays, write).is_none() {
+            image.apply_instruction_write(write);
+        }
+    }
+
+    fn event(&mut self, event: &Event, _time: f64, _image: &Image) {
+        self.events.push(*event);
+    }
+}
+
+/// The array of a bench that an instruction has written.
+fn own_array<'a>(arrays: &'a [String], write: &InstructionWrite) -> Option<&'a String> {
+    let own = arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
+    own.filter(|_| matches!(write.values, WrittenValues::Numbers(_)))
+}
+
 /// The records of a tick.
 struct Seen<'b> {
     controls: &'b BTreeMap<String, ControlSlot>,
@@ -354,8 +481,7 @@ impl Observer for Seen<'_> {
     }
 
     fn instruction_written(&mut self, write: &InstructionWrite, image: &mut Image) {
-        let own = self.arrays.get(write.tag.offset() / 4).filter(|_| write.tag.tag() == 0);
-        match (&write.values, own) {
+        match (&write.values, own_array(self.arrays, write)) {
             (WrittenValues::Numbers(numbers), Some(name)) => {
                 drop(self.written.insert(name.clone(), numbers.as_slice().to_vec()));
             }

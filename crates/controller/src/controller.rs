@@ -291,6 +291,14 @@ impl Controller {
         self.next_tick += 1;
     }
 
+    /// Begins the next tick in which something may happen, at most `most` ticks later, and passes over the uneventful ones before it: they change
+    /// only the motion of the axes, and report nothing. The state is the same as after all these ticks one by one. Returns their number.
+    pub fn begin_tick_after(&mut self, most: u64) -> u64 {
+        let passed = self.motion.begin_after(self.next_tick, most, self.drives.as_mut());
+        self.next_tick += passed + 1;
+        passed
+    }
+
     /// Executes an instruction at the present tick and returns the status of its motion control tag. Real-time.
     pub fn execute(&mut self, ticket: Ticket, call: &Call) -> MotionControl {
         self.motion.execute(ticket, call)

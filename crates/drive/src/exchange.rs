@@ -23,6 +23,19 @@ pub trait Drives: fmt::Debug + Send {
     /// [`ExchangeLost`] if no feedback came: the contents of `feedback` are then invalid.
     fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback]) -> Result<(), ExchangeLost>;
 
+    /// The drives of all axes but these rest: their feedback stays as it is until their set-points or a written input change. Drives that cannot
+    /// know it, as real ones, answer false.
+    fn rest_but(&self, axes: &[AxisId]) -> bool {
+        let _ = axes;
+        false
+    }
+
+    /// As [`Drives::exchange`], after [`Drives::rest_but`] was true: only the drives of these axes need to be asked, and they always answer.
+    fn exchange_of(&mut self, axes: &[AxisId], set_points: &[SetPoint], feedback: &mut [Feedback]) {
+        let _ = axes;
+        let _ = self.exchange(set_points, feedback);
+    }
+
     /// Takes a change, after the last exchange of the present tick, of an input that clients or a program write and that is not wired
     /// to a drive. The drive handles it as a wired input: `feedback` is that of the axis, and gets the input and the latch of a
     /// registration input; the latch of homing comes with the next exchange.

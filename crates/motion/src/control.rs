@@ -221,6 +221,11 @@ impl Controls {
             .map_or_else(MotionControl::default, |control| control.word)
     }
 
+    /// Every change and every write to a tag is reported.
+    pub(crate) fn are_reported(&self) -> bool {
+        self.changed.is_empty() && self.events.is_empty() && self.instruction_writes.is_empty()
+    }
+
     /// Reports every change since the last call, in the order in which they began.
     pub(crate) fn drain(&mut self, mut report: impl FnMut(&Event)) {
         for index in 0..self.changed.len() {

@@ -13,6 +13,7 @@ mod outputs;
 mod probes;
 mod tick;
 mod transforms;
+mod uneventful;
 
 use arcline_contour::AxisLimits;
 use arcline_drive::{Feedback, SetPoint};
@@ -39,6 +40,7 @@ use crate::transforms::ahead::PlannedStops;
 
 use accepted::ACCEPTED;
 use messages::{MESSAGES, Message};
+use uneventful::Uneventful;
 
 pub use accepted::AcceptedMove;
 pub use probes::Input;
@@ -69,6 +71,7 @@ pub struct Motion {
     pub(crate) accepted: Vec<AcceptedMove>,
     /// Instructions that would begin motion are refused.
     pub(crate) is_inhibited: bool,
+    uneventful: Uneventful,
 }
 
 /// Words that output cams can write in one tick; further ones are lost.
@@ -94,6 +97,7 @@ impl Motion {
             messages: Vec::with_capacity(MESSAGES),
             accepted: Vec::with_capacity(ACCEPTED),
             is_inhibited: false,
+            uneventful: Uneventful::new(machine.axes.len(), machine.systems.len()),
         }
     }
 

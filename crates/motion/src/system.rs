@@ -335,6 +335,22 @@ impl System {
         )
     }
 
+    /// Nothing but the active move can change the system in the next tick: no stop, link or change is under way. Valid at the end of a tick.
+    pub(crate) fn expects_nothing(&self) -> bool {
+        let is_plain = match self.activity {
+            Activity::Idle => self.travel.moves().next().is_none(),
+            Activity::Moving => self.calculated.0 == self.travel.plans(),
+            Activity::Stopping => false,
+        };
+        is_plain
+            && self.stop.is_none()
+            && self.braking.is_empty()
+            && !self.follows()
+            && self.stopping_link.is_none()
+            && self.settling.is_none()
+            && !self.stale
+    }
+
     /// A coordinated move of this system is active, pending, or braking on its path.
     pub(crate) fn is_busy(&self) -> bool {
         self.activity != Activity::Idle

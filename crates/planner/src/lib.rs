@@ -17,6 +17,7 @@ mod change;
 mod clock;
 mod contour;
 mod corners;
+mod course;
 mod hand_over;
 mod junction;
 mod look_ahead;
@@ -36,6 +37,7 @@ mod travel;
 
 pub use clock::{Clock, Instant, MasterMotion, MasterRate, TimeBase};
 pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, InstalledPlan};
+pub use course::Course;
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};
 pub use move_trajectory::Sample;

@@ -350,18 +350,25 @@ impl ResidualPart {
 }
 
 fn at(path: &Path, s: f64, along: KinematicState, phase: Phase) -> Sample {
+    let [position, velocity, acceleration] = on_path(path, s, &along);
+    Sample {
+        position,
+        velocity,
+        acceleration,
+        along,
+        phase,
+        rotation_state: None,
+    }
+}
+
+/// Position, velocity and acceleration of the axes at arc length `s` of a path.
+pub(crate) fn on_path(path: &Path, s: f64, along: &KinematicState) -> [Point; 3] {
     let PathPoint {
         position,
         tangent,
         curvature,
         ..
     } = path.at(s);
-    Sample {
-        position,
-        velocity: tangent * along.velocity,
-        acceleration: tangent * along.acceleration + curvature * (along.velocity * along.velocity),
-        along,
-        phase,
-        rotation_state: None,
-    }
+    let acceleration = tangent * along.acceleration + curvature * (along.velocity * along.velocity);
+    [position, tangent * along.velocity, acceleration]
 }

@@ -192,6 +192,11 @@ impl<T: Copy> Queue<T> {
         self.continue_pass();
     }
 
+    /// A backward pass was too long for one tick, and continues in the next one.
+    pub(crate) fn is_passing(&self) -> bool {
+        self.backward_pass.is_some()
+    }
+
     /// Removes the oldest move.
     pub(crate) fn pop(&mut self) -> Option<Move<T>> {
         let waiting = self.moves.pop_front()?;

@@ -38,4 +38,4 @@ pub use kinematic_state::KinematicState;
 pub use limits::{Jerk, Limits, jerk_from_percent_of_time};
 pub use lookahead::{entry_speed, exit_speed, stop_distance};
 pub use passing::{Passing, passing_speed};
-pub use profile::{Phase, Profile};
+pub use profile::{Phase, Profile, ProfileSegment};

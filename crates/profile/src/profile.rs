@@ -28,6 +28,28 @@ pub(crate) struct Segment {
     pub(crate) jerk: f64,
 }
 
+/// A part of a profile with one jerk and one phase.
+#[derive(Clone, Copy, Debug)]
+pub struct ProfileSegment {
+    segment: Segment,
+    from: f64,
+    until: f64,
+}
+
+impl ProfileSegment {
+    /// As [`Profile::at`], to the last bit, from the instant of [`Profile::segment`] until its end.
+    #[must_use]
+    pub fn at(&self, t: f64) -> KinematicState {
+        self.segment.at(t - self.from)
+    }
+
+    /// The time of its end, seconds after the start of the profile; infinite for the motion that continues after the profile.
+    #[must_use]
+    pub fn until(&self) -> f64 {
+        self.until
+    }
+}
+
 /// Position over time: planned once, sampled often. `Copy`, without heap.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile {
@@ -159,6 +181,31 @@ impl Profile {
             return Phase::Steady;
         }
         self.phase_of(self.segment_at(t))
+    }
+
+    /// The segment at `t`: at the joint of two segments the later one; after the duration, the motion that continues. `None` before
+    /// the start.
+    #[must_use]
+    pub fn segment(&self, t: f64) -> Option<ProfileSegment> {
+        if t >= self.duration {
+            return (self.end.acceleration == 0.0).then_some(ProfileSegment {
+                segment: Segment {
+                    state: self.end,
+                    jerk: 0.0,
+                },
+                from: self.duration,
+                until: f64::INFINITY,
+            });
+        }
+        if t < 0.0 || self.len == 0 {
+            return None;
+        }
+        let index = self.segment_at(t);
+        Some(ProfileSegment {
+            segment: self.segments[index],
+            from: self.times[index],
+            until: self.end_of(index),
+        })
     }
 
     /// The time (s) until which the motion speeds up from the start: the beginning of the cruise or of
@@ -307,13 +354,16 @@ impl Profile {
         index
     }
 
-    fn length_of(&self, index: usize) -> f64 {
-        let end = if index + 1 < self.len {
+    fn end_of(&self, index: usize) -> f64 {
+        if index + 1 < self.len {
             self.times[index + 1]
         } else {
             self.duration
-        };
-        end - self.times[index]
+        }
+    }
+
+    fn length_of(&self, index: usize) -> f64 {
+        self.end_of(index) - self.times[index]
     }
 }
 

@@ -27,6 +27,11 @@ pub trait Observer {
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
         let _ = (event, time, image);
     }
+    /// It must see every tick. Otherwise [`Observer::tick`] is called only after those in which something may have happened besides the motion
+    /// of moves that are under way.
+    fn needs_every_tick(&self) -> bool {
+        true
+    }
     /// The state at the end of a tick. False ends the run.
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
         let _ = (tick, machine, controller);
@@ -38,4 +43,8 @@ pub trait Observer {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Blind;
 
-impl Observer for Blind {}
+impl Observer for Blind {
+    fn needs_every_tick(&self) -> bool {
+        false
+    }
+}

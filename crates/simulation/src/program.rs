@@ -112,6 +112,17 @@ impl Wait {
         }
     }
 
+    /// The number of uneventful ticks that the program need not see: it has no work before the tick after them.
+    pub(crate) fn idle_ticks(&self, simulation: &Simulation) -> u64 {
+        match &self.wake {
+            Wake::Next | Wake::Condition => 0,
+            // A WAIT ends if the machine stands for long.
+            Wake::Change if simulation.controller().is_still() => 0,
+            Wake::Change | Wake::Room(_) => u64::MAX,
+            Wake::At(tick) => tick.saturating_sub(simulation.tick() + 1),
+        }
+    }
+
     /// The error that ends the program.
     pub(crate) fn error(&self, program: ProgramId, simulation: &Simulation) -> Option<Refused> {
         let erred = simulation.calls().erred(program)?;

@@ -128,8 +128,14 @@ impl Simulation {
 
     /// Begins the next tick; the first one is tick 0.
     pub fn begin(&mut self) {
-        self.controller.begin_tick();
+        self.begin_after(0);
+    }
+
+    /// Begins the next tick in which something may happen, at most `most` ticks later, and returns the number of those before it
+    /// ([`Controller::begin_tick_after`]).
+    pub fn begin_after(&mut self, most: u64) -> u64 {
         self.is_open = true;
+        self.controller.begin_tick_after(most)
     }
 
     /// Ends the present tick. Returns false if the observer ends the run.

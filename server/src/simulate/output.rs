@@ -73,6 +73,10 @@ impl Files {
 }
 
 impl Observer for Files {
+    fn needs_every_tick(&self) -> bool {
+        self.trace.is_some() || self.measures.is_some() || self.outside.is_some()
+    }
+
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
         if let Some(trace) = &mut self.trace {
             trace.tick(tick, machine, controller);

@@ -267,6 +267,21 @@ impl Drives for SimulatedDrives {
         Ok(())
     }
 
+    fn rest_but(&self, axes: &[AxisId]) -> bool {
+        let mut all = (0..).map(AxisId).zip(&self.axes);
+        all.all(|(id, axis)| axis.as_ref().is_none_or(|axis| axis.rests) || axes.contains(&id))
+    }
+
+    fn exchange_of(&mut self, axes: &[AxisId], set_points: &[SetPoint], feedback: &mut [Feedback]) {
+        for id in axes.iter().map(|id| id.index()) {
+            if let (Some(Some(axis)), Some(set_point), Some(feedback)) =
+                (self.axes.get_mut(id), set_points.get(id), feedback.get_mut(id))
+            {
+                axis.follow(set_point, self.period, feedback);
+            }
+        }
+    }
+
     /// Closes the latch at the tick, at the present position of the axis.
     fn write_input(&mut self, input: &WrittenInput, feedback: &mut Feedback) {
         let axis = self.axes.get_mut(input.axis.index()).and_then(Option::as_mut);
@@ -275,6 +290,7 @@ impl Drives for SimulatedDrives {
             (DriveInput::Home, Some(axis)) => return axis.write_home(input.on, feedback),
             (DriveInput::Enable, Some(axis)) => {
                 axis.is_disabled = !input.on;
+                axis.rests = false;
                 return;
             }
             (_, None) => return,

@@ -90,15 +90,7 @@ impl Axis {
             }
         } else {
             match feedback.filter(|feedback| feedback.state != DriveState::Lost) {
-                Some(feedback) => {
-                    self.link.lost = 0;
-                    self.link.feedback = *feedback;
-                    self.link.at_set_point = feedback.motion.position == sent.position;
-                    self.set_actual(KinematicState {
-                        position: self.in_axis_coordinates(feedback.motion.position),
-                        ..feedback.motion
-                    });
-                }
+                Some(feedback) => self.set_feedback(feedback, sent),
                 None => {
                     self.set_actual(self.expected(clock));
                     self.link.lost = self.link.lost.saturating_add(1);
@@ -113,6 +105,38 @@ impl Axis {
         }
         self.link.stood = 0.0;
         self.average.take(self.actual.position - self.redefined);
+    }
+
+    /// The actual position while the axis follows a command; `None`: its feedback shows more than motion, or its position is a fault.
+    pub(crate) fn plain_position(&self, feedback: &Feedback, sent: &SetPoint, command: f64) -> Option<f64> {
+        if self.is_virtual {
+            return self.faults.allow(command, 0.0).then_some(command);
+        }
+        let position = if feedback.motion.position == sent.position {
+            command
+        } else {
+            feedback.motion.position + self.redefined
+        };
+        let is_plain = feedback.state == DriveState::Enabled
+            && feedback.faults.is_empty()
+            && feedback.latches.iter().all(Option::is_none)
+            && self.faults.allow(position, feedback.error);
+        is_plain.then_some(position)
+    }
+
+    /// Takes the feedback of an exchange, and the position of the axis by it.
+    pub(crate) fn set_feedback(&mut self, feedback: &Feedback, sent: &SetPoint) {
+        if self.is_virtual {
+            self.set_actual(self.command);
+            return;
+        }
+        self.link.lost = 0;
+        self.link.feedback = *feedback;
+        self.link.at_set_point = feedback.motion.position == sent.position;
+        self.set_actual(KinematicState {
+            position: self.in_axis_coordinates(feedback.motion.position),
+            ..feedback.motion
+        });
     }
 
     /// The next exchange would leave the axis unchanged: it brings the same feedback, or the axis has no drive.

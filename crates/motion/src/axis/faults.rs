@@ -179,6 +179,13 @@ impl Faults {
         none.iter().all(|faults| faults.is_empty()) && self.refused.is_none() && self.exceeded == 0.0
     }
 
+    /// The axis stays within its travel and its tolerance: with no other cause, a check at this position and following error finds nothing, and
+    /// changes nothing.
+    pub(crate) fn allow(&self, position: f64, error: f64) -> bool {
+        let tolerance = self.position_error.tolerance;
+        self.side == 0 && self.side_of(position) == 0 && !(tolerance > 0.0 && error.abs() > tolerance)
+    }
+
     /// Records that a command of the present update did not go out, for the next check.
     pub(crate) fn refuse(&mut self, command: RefusedCommand) {
         self.refused = Some(command);

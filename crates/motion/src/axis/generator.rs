@@ -3,7 +3,7 @@
 //! Real-time: nothing allocates. Units: position units in the generator's own frame ([`super::sum`]), seconds; a profile over a
 //! master's displacement has master units in place of seconds.
 
-use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile};
+use arcline_planner::profile::{Limits, MOST_OVERSHOOT, Phase, Profile, ProfileSegment};
 use arcline_planner::{Clock, Instant, SAME_INSTANT_S};
 use arcline_profile::KinematicState;
 
@@ -214,8 +214,32 @@ impl Generator {
         offset
     }
 
+    /// The offset between its frame and the position of the axis that it alone moves.
+    pub(crate) fn shift(&self) -> f64 {
+        self.shift
+    }
+
     pub(super) fn displacement(&self) -> f64 {
         self.now.position - self.origin
+    }
+
+    /// Its profile leads to an end: it is no jog, or it stops.
+    fn ends(&self) -> bool {
+        let goal = self.program.map(|program| program.goal);
+        self.stopping || !matches!(goal, Some(Goal::Velocity(_)))
+    }
+
+    /// The segment of its profile at the present tick, and the seconds from the start until which it alone determines the motion and nothing is
+    /// to be reported.
+    pub(crate) fn segment(&self, profile: &Profile, start: &Instant, clock: &Clock) -> Option<(ProfileSegment, f64)> {
+        let is_plain = self.follower.is_none() && self.events.as_ref().is_none_or(|events| events.due.is_none());
+        let elapsed = start.elapsed(clock);
+        if !is_plain || self.shown_phase != profile.phase(elapsed) {
+            return None;
+        }
+        let segment = profile.segment(elapsed)?;
+        let end = if self.ends() { profile.duration() } else { f64::INFINITY };
+        Some((segment, end.min(segment.until()) - SAME_INSTANT_S))
     }
 
     pub(super) fn advance(&mut self, time: &Clock) {
@@ -223,15 +247,8 @@ impl Generator {
         if let Equation::Planned { profile, start } = &self.equation {
             let elapsed = start.elapsed(&clock);
             let state = profile.at(elapsed);
-            let endless = matches!(
-                self.program,
-                Some(ProgrammedMotion {
-                    goal: Goal::Velocity(_),
-                    ..
-                })
-            );
             let at_end = profile.arrives() && elapsed >= profile.duration() - SAME_INSTANT_S;
-            self.over = (self.stopping || !endless) && at_end;
+            self.over = self.ends() && at_end;
             self.now = if self.over {
                 KinematicState::at_rest(profile.end().position)
             } else {

@@ -277,6 +277,13 @@ impl Axis {
         self.started_at = [self.command.position, self.actual.position];
     }
 
+    /// Sets the motion of its only generator and its command, as a tick leaves them.
+    pub(crate) fn set_sole(&mut self, kind: GeneratorKind, now: KinematicState, command: KinematicState) {
+        self.sum.set(kind, now);
+        self.sum.keep_displacements();
+        self.command = command;
+    }
+
     /// Sets the coordinated part of the axis's motion, which the coordinate system has calculated.
     pub(crate) fn set_coordinated(&mut self, now: KinematicState) {
         self.sum.set(GeneratorKind::System, now);
@@ -343,7 +350,13 @@ impl Axis {
                 self.state,
                 AxisState::Stopped | AxisState::Running | AxisState::Faulted | AxisState::Shutdown
             )
-            && !self.stale
+            && self.expects_nothing()
+    }
+
+    /// Nothing but its generators and its feedback can change the axis in the next tick: no instruction, event, link or fault is under way.
+    /// Valid at the end of a tick.
+    pub(crate) fn expects_nothing(&self) -> bool {
+        !self.stale
             && !self.transforms.controlled
             && self.homing.is_none()
             && !self.home_reached

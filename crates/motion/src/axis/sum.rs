@@ -71,6 +71,21 @@ impl Sum {
         kinds(bits).next()
     }
 
+    /// The one active generator, if it alone has displaced the axis since it began.
+    pub(crate) fn sole(&self) -> Option<(GeneratorKind, &Generator)> {
+        self.active().next().filter(|_| self.alone)
+    }
+
+    /// The command of the axis while the motion of the sole generator is `now` in its frame, of the shift `shift`: as [`Sum::command`].
+    pub(crate) fn sole_command(now: &KinematicState, shift: f64) -> KinematicState {
+        KinematicState {
+            position: now.position + shift,
+            // A sum has no negative zero.
+            velocity: 0.0 + now.velocity,
+            acceleration: 0.0 + now.acceleration,
+        }
+    }
+
     /// A generator of another kind is active.
     pub(crate) fn is_active_but(&self, kind: GeneratorKind) -> bool {
         self.active & !kind.bit() != 0

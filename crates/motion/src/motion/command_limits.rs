@@ -54,7 +54,7 @@ impl Motion {
     }
 
     /// The limits of an axis allow a set-point, or do not apply to it.
-    fn may_go_out(&self, id: AxisId, next: &KinematicState) -> bool {
+    pub(super) fn may_go_out(&self, id: AxisId, next: &KinematicState) -> bool {
         let (axis, last) = (&self.axes[id], &self.set_points[id.index()]);
         // A virtual axis has no drive that its set-points enable.
         let was_on = last.enable || (axis.is_virtual && self.clock.tick > 1);

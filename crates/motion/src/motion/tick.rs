@@ -17,7 +17,14 @@ impl Motion {
         self.finish_messages();
         self.compute_commands();
         self.limit_commands();
-        self.exchange(drives);
+        self.write_set_points();
+        let answered = drives.exchange(&self.set_points, &mut self.feedback);
+        self.take_feedback(answered.is_ok(), drives);
+    }
+
+    /// The rest of [`Motion::begin`] after the exchange with the drives: uses the feedback of all axes, or that none came.
+    pub(super) fn take_feedback(&mut self, answered: bool, drives: &dyn Drives) {
+        self.note_feedback(answered);
         self.use_feedback(drives);
         self.check_transforms();
         self.check_faults();
@@ -38,15 +45,17 @@ impl Motion {
         self.advance_axes();
     }
 
-    /// Sends the set-points of all axes to the drives and takes their feedback. Before that, `self.set_points` are those of the last
-    /// exchange.
-    fn exchange(&mut self, drives: &mut dyn Drives) {
+    /// Writes the set-points of all axes. Before that, `self.set_points` are those of the last exchange.
+    fn write_set_points(&mut self) {
         for (axis, set_point) in self.axes.iter().zip(&mut self.set_points) {
             if !axis.dormant {
                 axis.write_set_point(set_point);
             }
         }
-        let answered = drives.exchange(&self.set_points, &mut self.feedback).is_ok();
+    }
+
+    /// Takes over the feedback of all axes.
+    fn note_feedback(&mut self, answered: bool) {
         let values = self.set_points.iter().zip(&self.feedback);
         for (axis, (sent, feedback)) in self.axes.all_mut().zip(values) {
             let feedback = answered.then_some(feedback);

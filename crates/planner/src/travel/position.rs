@@ -5,7 +5,7 @@ use arcline_profile::Limits;
 
 use super::Travel;
 use crate::move_event::EventTime;
-use crate::{Clock, Sample, TimeBase};
+use crate::{Clock, Course, Sample, TimeBase};
 
 impl<T: Copy> Travel<T> {
     /// The motion of the coordinate system at the present tick, by time, and its speed along the path in the variable of the active move.
@@ -24,6 +24,14 @@ impl<T: Copy> Travel<T> {
             None => master.rate,
         };
         Some((rate.sample(sample), planned))
+    }
+
+    /// The course of the active superposed move from the present tick on ([`Planner::course`]); `None` while contours are planned as well.
+    pub fn course(&self, time: &Clock) -> Option<Course> {
+        if self.contour.is_some() {
+            return None;
+        }
+        self.planner.course(time)
     }
 
     /// Seconds until the end of the active move, or until its successor becomes active, as planned now; `None` if the time is unknown.
