@@ -55,9 +55,9 @@ impl Plant {
         &self.places
     }
 
-    /// Begins a tick.
-    pub(crate) fn begin_tick(&mut self) {
-        self.simulation_mut().begin();
+    /// Begins the next tick in which something may happen, at most `most` ticks later, and returns the number of those before it.
+    pub(crate) fn begin_after(&mut self, most: u64) -> u64 {
+        self.simulation_mut().begin_after(most)
     }
 
     /// Brings axes and coordinate systems in the project's memory up to this moment, unless they are.

@@ -177,7 +177,7 @@ impl SimulatedCell {
     /// A major fault of the prescan.
     pub fn begin(&mut self, observer: &mut impl Observer) -> Result<(), Fault> {
         observer.begin(self.plant.simulation().machine());
-        self.plant.begin_tick();
+        self.open();
         self.show_machine();
         let began = self.cell.start(0, &mut self.plant);
         self.stopped = began.as_ref().err().cloned();
@@ -209,12 +209,19 @@ impl SimulatedCell {
     /// Runs ticks until the condition holds at the end of one, a limit is reached, or a major fault stops the tasks. At least one tick passes, unless a
     /// fault has stopped them before or no tick may.
     pub fn run(&mut self, limits: RunLimits<'_>, observer: &mut impl Observer) -> End {
-        for _ in 0..limits.ticks {
+        let mut left = limits.ticks;
+        while left > 0 {
             if let Some(fault) = &self.stopped {
                 return End::Fault(fault.clone());
             }
-            self.open();
             let period = self.machine().period_ns;
+            left -= 1;
+            if !self.is_open() {
+                let most = self.plant.simulation().unseen_ticks(limits.time, observer).min(left);
+                let most = most.min(self.cell.idle_ticks(self.tick(), period));
+                let sees_machine = limits.until.is_some_and(|condition| condition.reads_machine);
+                left -= self.plant.begin_after(if sees_machine { 0 } else { most });
+            }
             if self.cell.reads(self.tick(), period) {
                 self.show_machine();
             }
@@ -245,7 +252,7 @@ impl SimulatedCell {
     /// Begins the next tick, unless the present one is open.
     pub(crate) fn open(&mut self) {
         if !self.is_open() {
-            self.plant.begin_tick();
+            self.plant.begin_after(0);
         }
     }
 

@@ -1,6 +1,8 @@
 //! A project on the virtual clock: its run, and its tags by name.
 
-use arcline_simulation::{Blind, NotWritten};
+use arcline_controller::Controller;
+use arcline_controller::machine::Machine;
+use arcline_simulation::{Blind, NotWritten, Observer};
 use arcline_tag::{TagPath, TagValue, Value, WriteValue};
 
 use crate::{End, LoadError, RunLimits, SimulatedCell, UnknownParts};
@@ -77,6 +79,41 @@ fn a_project_runs_to_its_condition_as_often_as_it_is_run() {
     assert!(time > 0.2 && time < 2.0, "{time}");
     assert_eq!(position, 25.0);
     assert_eq!((time, json, position), run());
+}
+
+#[test]
+fn a_run_that_passes_over_uneventful_ticks_is_the_same_run() {
+    struct Count(u64, bool);
+    impl Observer for Count {
+        fn needs_every_tick(&self) -> bool {
+            self.1
+        }
+        fn tick(&mut self, _: u64, _: &Machine, _: &mut Controller) -> bool {
+            self.0 += 1;
+            true
+        }
+    }
+    let run = |needs_every_tick| {
+        let mut cell = begun(CELL);
+        cell.write("Start", &WriteValue::Bool(true)).expect("a tag");
+        let mut seen = Count(0, needs_every_tick);
+        let mut shown = Vec::new();
+        // The present state at times of which some are between two scans, too.
+        for time in [0.05, 0.0513, 0.32, 0.3217, 2.0] {
+            let limits = RunLimits {
+                until: None,
+                ticks: u64::MAX,
+                time,
+            };
+            assert_eq!(cell.run(limits, &mut seen), End::Time);
+            let positions = ["X.CommandPosition", "X.AverageVelocity"].map(|tag| number(&mut cell, tag));
+            shown.push((cell.time(), cell.tags_json(), positions));
+        }
+        (seen.0, shown)
+    };
+    let ((all, every), (few, some)) = (run(true), run(false));
+    assert_eq!(every, some);
+    assert!(few < all, "{few} of {all}");
 }
 
 #[test]

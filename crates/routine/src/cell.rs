@@ -235,6 +235,20 @@ impl Cell {
         !self.code.wires.is_empty() || self.code.tasks.iter().zip(&self.releases).any(is_due)
     }
 
+    /// The number of ticks after this one in which [`Cell::tick`] has nothing to do: no task is due. 0 if a task, a wire or a message waits for
+    /// something that may come in any tick.
+    pub fn idle_ticks(&self, tick: u64, period: u64) -> u64 {
+        if !self.code.wires.is_empty() || self.state.has_messages() {
+            return 0;
+        }
+        let tasks = self.code.tasks.iter().zip(&self.releases);
+        let idle = tasks.map(|(task, release)| match task.when {
+            When::Periodic(_) => release.div_ceil(period.max(1)).saturating_sub(tick + 1),
+            _ => 0,
+        });
+        idle.min().unwrap_or(u64::MAX)
+    }
+
     /// Scans the tasks that are due in a tick.
     ///
     /// # Errors

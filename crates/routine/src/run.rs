@@ -193,6 +193,11 @@ struct Cursor {
 }
 
 impl ExecutionState {
+    /// A message is on its way.
+    pub(crate) fn has_messages(&self) -> bool {
+        !self.messages.is_empty()
+    }
+
     pub(crate) fn new(memory: Vec<u8>, code: &Code) -> Self {
         ExecutionState {
             memory: Memory::new(memory),

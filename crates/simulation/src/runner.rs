@@ -249,7 +249,7 @@ impl Runner {
             if wake(waits, |_, wait| wait.is_vain(simulation).then_some(Err(Refused::Still))) {
                 return Passed::Due;
             }
-            let most = uneventful_ticks(simulation, limits.until, observer).min(left - 1);
+            let most = simulation.unseen_ticks(limits.until, observer).min(left - 1);
             let idle = waits.values().map(|wait| wait.idle_ticks(simulation));
             left -= 1 + simulation.begin_after(idle.fold(most, u64::min));
             if wake(waits, |_, wait| wait.is_due(simulation).then_some(Ok(()))) {
@@ -273,7 +273,7 @@ impl Runner {
             if simulation.time() >= until {
                 return Err(End::TooLong(until));
             }
-            simulation.begin_after(uneventful_ticks(simulation, until, observer));
+            simulation.begin_after(simulation.unseen_ticks(until, observer));
         }
     }
 
@@ -349,15 +349,4 @@ fn wake(
         }
     }
     any
-}
-
-/// The number of uneventful ticks that may be passed over: none that the observer must see, or that `until` ends.
-fn uneventful_ticks(simulation: &Simulation, until: f64, observer: &impl Observer) -> u64 {
-    if observer.needs_every_tick() {
-        return 0;
-    }
-    let period = simulation.machine().period_ns as f64 / 1e9;
-    // Conversion saturates. One tick fewer, as the time of a tick is rounded.
-    let ticks = (until - simulation.time()) / period - 2.0;
-    ticks as u64
 }

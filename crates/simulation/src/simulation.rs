@@ -138,6 +138,15 @@ impl Simulation {
         self.controller.begin_tick_after(most)
     }
 
+    /// The number of ticks from the present one on, before a simulated time in seconds, that the observer need not see if they are uneventful.
+    pub fn unseen_ticks(&self, until: f64, observer: &impl Observer) -> u64 {
+        if observer.needs_every_tick() {
+            return 0;
+        }
+        // The conversion saturates. Two ticks fewer: the present one, and one as times are rounded.
+        ((until - self.time()) / self.machine.period() - 2.0) as u64
+    }
+
     /// Ends the present tick. Returns false if the observer ends the run.
     pub fn end(&mut self, observer: &mut impl Observer) -> bool {
         let (tick, time) = (self.tick(), self.time());

@@ -106,6 +106,58 @@ fn a_program_in_steps_of_any_length_is_the_program_in_one_run() {
     }
 }
 
+/// The rows of the trace that an observer sees, and all events.
+struct Rows {
+    needs_every_tick: bool,
+    rows: Vec<(u64, Vec<u64>)>,
+    events: Vec<(Event, f64)>,
+}
+
+impl Observer for Rows {
+    fn needs_every_tick(&self) -> bool {
+        self.needs_every_tick
+    }
+    fn event(&mut self, event: &Event, time: f64, _: &Image) {
+        self.events.push((*event, time));
+    }
+    fn tick(&mut self, tick: u64, _: &Machine, controller: &mut Controller) -> bool {
+        let row = controller.trace().flatten().map(f64::to_bits);
+        self.rows.push((tick, row.collect()));
+        true
+    }
+}
+
+#[test]
+fn a_run_that_passes_over_uneventful_ticks_is_the_same_run() {
+    let options = Options {
+        until: 60.0,
+        policy: Policy::default(),
+    };
+    let rows = |needs_every_tick| {
+        let mut rows = Rows {
+            needs_every_tick,
+            rows: Vec::new(),
+            events: Vec::new(),
+        };
+        let text = [MOVES, ON_Z].concat();
+        let end = runner().run(program(&text), options, &mut rows);
+        assert!(matches!(end, End::Finished), "{end:?}");
+        rows
+    };
+    let (all, few) = (rows(true), rows(false));
+    assert_eq!(all.events, few.events);
+    assert!(
+        few.rows.len() * 5 < all.rows.len(),
+        "{} of {}",
+        few.rows.len(),
+        all.rows.len()
+    );
+    assert_eq!(all.rows.last(), few.rows.last());
+    for (tick, row) in few.rows {
+        assert_eq!(all.rows[tick as usize], (tick, row));
+    }
+}
+
 #[test]
 fn programs_run_beside_each_other_and_fail_alone() {
     let mut runner = runner();

@@ -36,6 +36,12 @@ fn project(rung: impl Fn(usize) -> String) -> Project {
             TagSource::new("Dints", "DINT", [1024], None),
             TagSource::new("Reals", "REAL", [1024], None),
             TagSource::new("Timers", "TIMER", [64], None),
+            TagSource::new("X", "AXIS_CIP_DRIVE", [], None),
+            TagSource::new("There", "MOTION_INSTRUCTION", [], None),
+            TagSource::new("Home", "MOTION_INSTRUCTION", [], None),
+            TagSource::new("Back", "BOOL", [], None),
+            TagSource::new("Edge", "BOOL", [], None),
+            TagSource::new("HomeEdge", "BOOL", [], None),
         ],
         programs: vec![ProgramSource {
             name: "Main".to_owned(),
@@ -81,6 +87,8 @@ fn bench(c: &mut Criterion) {
             _ => format!("XIC(B[{}])GRT(D[{k}],3)ADD(D[{k}],1,D[{k}])LES(D[{k}],9)MOV(D[{k}],R[{k}]);", k - 1),
         }),
     ];
+    let moving = |k: usize| MOVER.get(k).map_or_else(|| kinds[3].2(k), |rung| (*rung).to_owned());
+    simulated(c, "a machine that moves, with 50 timers", &project(moving));
     for (name, instructions, text) in kinds {
         let mut group = c.benchmark_group("1,000 rungs");
         group.throughput(Throughput::Elements(instructions * RUNGS as u64));
@@ -98,19 +106,32 @@ fn bench(c: &mut Criterion) {
             });
         }
         group.finish();
-        let mut group = c.benchmark_group("1,000 rungs and the default machine, one second of");
-        let machine = arcline_config::load(arcline_config::DEFAULT, "default.toml").expect("the default configuration");
-        let simulated = SimulatedCell::load(&machine, project(text), UnknownParts::Refused);
-        let mut simulated = simulated.expect("it runs");
-        simulated.begin(&mut Blind).expect("no fault");
-        let second = RunLimits {
-            until: None,
-            ticks: 1000,
-            time: f64::INFINITY,
-        };
-        group.bench_function(name, |b| b.iter(|| black_box(simulated.run(second, &mut Blind))));
+        simulated(c, name, &project(text));
     }
 }
+
+/// What `simulate` does with a project.
+fn simulated(c: &mut Criterion, name: &str, project: &Project) {
+    let mut group = c.benchmark_group("1,000 rungs and the default machine, one second of");
+    let machine = arcline_config::load(arcline_config::DEFAULT, "default.toml").expect("the default configuration");
+    let simulated = SimulatedCell::load(&machine, project.clone(), UnknownParts::Refused);
+    let mut simulated = simulated.expect("it runs");
+    simulated.begin(&mut Blind).expect("no fault");
+    let second = RunLimits {
+        until: None,
+        ticks: 1000,
+        time: f64::INFINITY,
+    };
+    group.bench_function(name, |b| b.iter(|| black_box(simulated.run(second, &mut Blind))));
+}
+
+/// Rungs that move an axis to and fro.
+const MOVER: [&str; 4] = [
+    "XIO(Back)XIO(There.IP)XIO(Home.IP)MAM(X,There,0,100,150,Units per sec,2000,Units per sec2,2000,Units per sec2,S-Curve,100,100,% of Time,Disabled,Programmed,0,None);",
+    "XIC(Back)XIO(There.IP)XIO(Home.IP)MAM(X,Home,0,0,150,Units per sec,2000,Units per sec2,2000,Units per sec2,S-Curve,100,100,% of Time,Disabled,Programmed,0,None);",
+    "XIC(There.PC)ONS(Edge)OTL(Back);",
+    "XIC(Home.PC)ONS(HomeEdge)OTU(Back);",
+];
 
 criterion_group!(benches, bench);
 criterion_main!(benches);
