@@ -51,6 +51,10 @@ pub(crate) struct Events {
 }
 
 impl Observer for Events {
+    fn needs_every_tick(&self) -> bool {
+        false
+    }
+
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
         if !self.is_on || event.set | event.clear == 0 {
             return;
@@ -71,6 +75,10 @@ struct Rows<'r> {
 }
 
 impl Observer for Rows<'_> {
+    fn needs_every_tick(&self) -> bool {
+        self.rows.len() > 0
+    }
+
     fn event(&mut self, event: &Event, time: f64, image: &Image) {
         self.events.event(event, time, image);
     }

@@ -115,6 +115,10 @@ fn of_axes(py: Python<'_>, signals: &[Signal]) -> PyResult<()> {
 }
 
 impl Observer for RunRecords<'_> {
+    fn needs_every_tick(&self) -> bool {
+        self.trace.is_some() || !self.signals.is_empty()
+    }
+
     fn begin(&mut self, machine: &Machine) {
         if let Some(trace) = &mut self.trace {
             trace.header(machine);
