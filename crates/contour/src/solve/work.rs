@@ -1,5 +1,6 @@
 //! The budget of a planning call, counted and not timed: the same call gives the same plan on every computer.
 
+use crate::limits::Smoothness;
 use crate::solve::stages::Quality;
 use crate::tuning::TUNING;
 
@@ -86,8 +87,11 @@ impl Work {
     }
 
     /// For the smooth curve of a motion from rest that others continue.
-    pub(crate) fn to_begin() -> Work {
-        Work::of(TUNING.work.to_begin)
+    pub(crate) fn to_begin(smoothness: Smoothness) -> Work {
+        Work::of(match smoothness {
+            Smoothness::Trapezoid => TUNING.work.to_begin,
+            Smoothness::SCurve => TUNING.work.to_begin_s_curve,
+        })
     }
 
     /// For all attempts to continue a motion, the first of which begins with this number of nodes; on a smooth curve for one attempt.
@@ -105,9 +109,9 @@ impl Work {
         self.visited += nodes as u64;
     }
 
-    /// Leaves enough work to make a slow motion of this number of nodes fast, about.
-    pub(crate) fn allow_hastening(&mut self, nodes: usize) {
-        self.left = self.left.max(TUNING.work.hastening_each * nodes as u64);
+    /// Leaves at least this number of visits of each of this number of nodes.
+    pub(crate) fn allow(&mut self, each: u64, nodes: usize) {
+        self.left = self.left.max(each * nodes as u64);
     }
 
     pub(crate) fn is_done(&self) -> bool {

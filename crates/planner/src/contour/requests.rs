@@ -11,9 +11,9 @@ use super::ContourQueue;
 use super::pace::Pace;
 use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
-    AMPLE_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S, LEAST_PACE_SHARE, LONG_MOVE_S,
-    LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE,
-    RETRY_SHARE, SETTLED_S, UNCHANGED_S,
+    AMPLE_S, ENOUGH_MOVES, ENOUGH_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S,
+    LEAST_PACE_SHARE, LONG_MOVE_S, LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN,
+    PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S,
 };
 use crate::{Clock, Ending, Move};
 
@@ -125,7 +125,8 @@ impl<T: Copy> ContourQueue<T> {
             return false;
         };
         let longer = self.is_late && waited < LONGEST_GATHER_S;
-        waited < GATHER_S || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN_S))
+        let suffice = self.moves.len() >= ENOUGH_MOVES && self.lasts(ENOUGH_S);
+        (waited < GATHER_S && !suffice) || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN_S))
     }
 
     /// The moves last for at least this many seconds at their programmed speeds.

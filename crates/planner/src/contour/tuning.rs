@@ -6,6 +6,10 @@
 /// Seconds for which the first move of an open contour waits for others, and the end of a trajectory in execution for another move: clients
 /// send moves one by one. More time delays a contour of one move, less begins a stream with fewer moves. Not measured.
 pub(super) const GATHER_S: f64 = 0.01;
+/// So many moves, of this duration in seconds at their programmed speeds, begin without waiting for others: the first plan of a stream would take no more
+/// of them. Fewer moves are those of a short program, which is planned better as a whole; less time plans less than the first extension needs. Not measured.
+pub(super) const ENOUGH_MOVES: usize = 24;
+pub(super) const ENOUGH_S: f64 = 0.35;
 /// The same after a contour for which moves arrived too slowly, while the waiting moves last no longer than `LEAST_BEGUN_S`. More time makes each rest
 /// longer, less makes rests more frequent. Not measured.
 pub(super) const LONGEST_GATHER_S: f64 = 0.1;
