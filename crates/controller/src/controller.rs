@@ -7,7 +7,8 @@ use arcline_instruction_set::{
     AxisId, Call, ControlSlot, FaultSet, Flag, JogEnd, MotionControl, MotionError, Setting, SystemId,
 };
 use arcline_motion::{
-    AcceptedMove, CallData, ContourRequest, Event, FaultChange, Input, InstructionWrite, Motion, Ticket, Trajectory,
+    AcceptedMove, AxisSet, CallData, ContourRequest, Event, FaultChange, Input, InstructionWrite, Motion, Ticket,
+    Trajectory,
 };
 
 use crate::drives::simulated;
@@ -451,13 +452,23 @@ impl Controller {
 
     /// Fills a snapshot with the state at the present tick. Real-time if the snapshot was created for this machine.
     pub fn snapshot(&self, snapshot: &mut Snapshot) {
+        self.update(snapshot, None);
+    }
+
+    /// The same for a snapshot that shows an earlier tick, `since`: axes that are the same as then stay as they are. Returns the others. Real-time.
+    pub fn update(&self, snapshot: &mut Snapshot, since: Option<u64>) -> AxisSet {
+        let mut changed = AxisSet::default();
         snapshot.tick = self.motion.tick();
         snapshot.lost_events = self.motion.lost_events();
-        for (shown, axis) in snapshot.axes.iter_mut().zip(self.motion.axes()) {
-            *shown = axis;
+        for (id, axis) in self.motion.axes_since(since) {
+            if let Some(shown) = snapshot.axes.get_mut(id.index()) {
+                *shown = axis;
+                changed.insert(id);
+            }
         }
         for (shown, system) in snapshot.systems.iter_mut().zip(self.motion.systems()) {
             *shown = system;
         }
+        changed
     }
 }

@@ -76,10 +76,11 @@ impl Axes {
         self.axes.iter_mut()
     }
 
-    /// Makes those axes dormant that nothing in the next tick would change.
-    pub(crate) fn let_rest(&mut self) {
+    /// Makes those axes dormant that nothing in the tick after this one would change.
+    pub(crate) fn let_rest(&mut self, tick: u64) {
         for axis in self.awake_mut() {
             axis.dormant = axis.can_be_dormant();
+            axis.dormant_since = tick;
         }
     }
 

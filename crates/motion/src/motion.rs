@@ -22,6 +22,7 @@ use arcline_planner::Clock;
 use arcline_planner::geometry::Point;
 
 use crate::axes::Axes;
+use crate::axis::Axis;
 use crate::axis::generator_kind::GeneratorKind;
 use crate::cause::{Cause, FaultChange};
 use crate::control::{Controls, Event};
@@ -238,9 +239,12 @@ impl Motion {
         self.controls.word(slot)
     }
 
-    /// Every axis at the present tick, in configuration order.
-    pub fn axes(&self) -> impl Iterator<Item = AxisSnapshot> {
-        self.axes.iter().map(|axis| status::axis(axis, &self.clock))
+    /// The axes that may differ from their state at the end of an earlier tick, in configuration order; all axes without one.
+    pub fn axes_since(&self, tick: Option<u64>) -> impl Iterator<Item = (AxisId, AxisSnapshot)> {
+        let is_same = move |axis: &Axis| axis.dormant && tick.is_some_and(|tick| axis.dormant_since <= tick);
+        let axes = self.axes.ids().zip(self.axes.iter());
+        let axes = axes.filter(move |(_, axis)| !is_same(axis));
+        axes.map(|(id, axis)| (id, status::axis(axis, &self.clock)))
     }
 
     /// Every coordinate system at the present tick, in configuration order.

@@ -19,7 +19,8 @@ pub(crate) struct Stop {
 pub struct AxisSet([u64; MAX_AXES / 64]);
 
 impl AxisSet {
-    pub(crate) fn insert(&mut self, axis: AxisId) {
+    /// Adds an axis.
+    pub fn insert(&mut self, axis: AxisId) {
         if let Some(word) = self.0.get_mut(usize::from(axis.0 / 64)) {
             *word |= 1 << (axis.0 % 64);
         }

@@ -23,6 +23,8 @@ pub struct Simulation {
     controller: Controller,
     image: Image,
     snapshot: Snapshot,
+    /// The tick that `snapshot` and the image show.
+    filled: Option<u64>,
     contour: ContourRequest,
     /// The tick whose state the image shows.
     shown: Option<u64>,
@@ -60,6 +62,7 @@ impl Simulation {
     fn of(machine: Arc<Machine>, controller: Controller, image: Image) -> Self {
         Simulation {
             snapshot: Snapshot::new(&machine),
+            filled: None,
             machine,
             controller,
             image,
@@ -306,8 +309,9 @@ impl Simulation {
 
     /// As [`Simulation::show`], even if an instruction was executed since.
     pub fn show_now(&mut self) {
-        self.controller.snapshot(&mut self.snapshot);
-        self.image.apply_snapshot(&self.snapshot);
+        let changed = self.controller.update(&mut self.snapshot, self.filled);
+        self.filled = Some(self.snapshot.tick);
+        self.image.apply_changes(&self.snapshot, &changed);
     }
 
     /// Updates a motion control in the tags to the present moment, and returns it.

@@ -1,7 +1,8 @@
 //! Snapshots as the bytes of the predefined types: the member for each number, found by name at compile time.
 
+use arcline_instruction_set::AxisId;
 use arcline_instruction_set::predefined::{self, axis_fault};
-use arcline_motion::{AxisSnapshot, SystemSnapshot};
+use arcline_motion::{AxisSet, AxisSnapshot, SystemSnapshot};
 
 use super::Health;
 use super::shared::{Memory, Unshared};
@@ -62,14 +63,24 @@ impl Encoder {
         }
     }
 
-    /// Writes the states that have changed. `overlapping`: the motion task was still in execution when its next period began.
-    pub(super) fn snapshot(&self, snapshot: &Snapshot, overlapping: bool, encoded: &mut Encoded, memory: &mut Memory) {
+    /// Writes the states that have changed; of the axes only these, if they are given. `overlapping`: the motion task was still in execution when its
+    /// next period began.
+    pub(super) fn snapshot(
+        &self,
+        snapshot: &Snapshot,
+        changed: Option<&AxisSet>,
+        overlapping: bool,
+        encoded: &mut Encoded,
+        memory: &mut Memory,
+    ) {
         let group_fault = if overlapping { axis_fault::GROUP_FAULT } else { 0 };
         let mut faults = 0;
         let axes = snapshot.axes.iter().zip(&self.is_virtual);
-        for (index, (axis, is_virtual)) in axes.enumerate() {
+        for ((index, id), (axis, is_virtual)) in (0..).zip(AxisId::first(snapshot.axes.len())).zip(axes) {
             faults |= axis.fault;
-            if !differs(&mut encoded.axes, index, (*axis, group_fault)) {
+            let known = encoded.axes.get(index).filter(|(_, fault)| *fault == group_fault);
+            let may_differ = known.is_none() || changed.is_none_or(|changed| changed.contains(id));
+            if !may_differ || !differs(&mut encoded.axes, index, (*axis, group_fault)) {
                 continue;
             }
             let fields = if *is_virtual { VIRTUAL_FIELDS } else { CIP_FIELDS };

@@ -42,6 +42,7 @@ use std::sync::Arc;
 use arcline_instruction_set::{
     AxisId, FaultSet, SystemId, instruction_tag_defaults, instruction_tag_template, predefined,
 };
+use arcline_motion::AxisSet;
 use arcline_tag::{DataType, Elementary, TagType, Template, write_string};
 
 use crate::machine::Machine;
@@ -269,10 +270,20 @@ impl Image {
 
     /// Takes over the state of axes, coordinate systems and group at one tick.
     pub fn apply_snapshot(&mut self, snapshot: &Snapshot) {
+        self.apply(snapshot, None);
+    }
+
+    /// The same for a snapshot of which only these axes differ from the one before ([`crate::Controller::update`]).
+    pub fn apply_changes(&mut self, snapshot: &Snapshot, changed: &AxisSet) {
+        self.apply(snapshot, Some(changed));
+    }
+
+    fn apply(&mut self, snapshot: &Snapshot, changed: Option<&AxisSet>) {
         self.snapshot_tick = snapshot.tick;
         self.show_attributes(snapshot);
+        let (encoded, bytes) = (&mut self.encoded, &mut self.bytes);
         self.encoder
-            .snapshot(snapshot, self.overlapping, &mut self.encoded, &mut self.bytes);
+            .snapshot(snapshot, changed, self.overlapping, encoded, bytes);
         self.show_contour_rests(snapshot);
         self.show_clock(snapshot.tick);
         self.show_uses();

@@ -67,6 +67,8 @@ pub(crate) struct Axis {
     pub(crate) sum: Sum,
     /// The next tick changes nothing of the axis unless its feedback changes or an instruction acts on it: the tick passes over it.
     pub(crate) dormant: bool,
+    /// The tick from which on it is dormant, while it is.
+    pub(crate) dormant_since: u64,
     /// A generator has begun since the command of this tick was computed.
     pub(crate) stale: bool,
     pub(crate) homed: bool,
@@ -133,6 +135,7 @@ impl Axis {
             command: KinematicState::at_rest(position),
             sum: Sum::at_rest(position),
             dormant: false,
+            dormant_since: 0,
             stale: false,
             homed: start.homed,
             home: description.home,

@@ -30,7 +30,7 @@ impl Motion {
         self.check_faults();
         self.finish_stops();
         self.show_status();
-        self.axes.let_rest();
+        self.axes.let_rest(self.clock.tick);
     }
 
     /// Calculates the commands of all axes at the present tick: coordinate systems, then axes; followers after their masters.

@@ -257,7 +257,7 @@ fn a_planted_defect_becomes_a_stop_of_everything_that_moves_with_the_axis() {
         );
         let last = run.sent.last().expect("ticks");
         assert_eq!(last.map(|[_, velocity]| velocity == 0.0), stands, "{why}: {last:?}");
-        let counts: Vec<u32> = motion.axes().map(|axis| axis.refused_commands).collect();
+        let counts: Vec<u32> = motion.axes_since(None).map(|(_, axis)| axis.refused_commands).collect();
         let expected: Vec<u32> = (0..3).map(|axis| u32::from(axis == refused.0)).collect();
         assert_eq!(counts, expected, "{why}");
         assert!(motion.systems[SystemId(0)].is_busy() != stands[0], "{why}");
