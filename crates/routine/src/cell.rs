@@ -425,7 +425,7 @@ impl Cell {
             return Ok(());
         }
         if let Some(seen) = events.get_mut(task) {
-            seen.ran = now;
+            state.before_ms = (std::mem::replace(&mut seen.ran, now) / 1_000_000) as i64;
         }
         (state.now, state.now_ms) = (now, (now / 1_000_000) as i64);
         state.begin_run(of.longest_us(), host);

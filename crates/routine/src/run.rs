@@ -102,6 +102,8 @@ pub(crate) struct ExecutionState {
     zone: bool,
     /// The task's time, ms and ns.
     pub(crate) now_ms: i64,
+    /// The time of its run before this one, ms.
+    pub(crate) before_ms: i64,
     pub(crate) now: u64,
     /// Instructions that the run of the task may still execute.
     pub(crate) budget: i64,

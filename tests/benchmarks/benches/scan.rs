@@ -81,14 +81,16 @@ fn bench(c: &mut Criterion) {
             3 => format!("LIM(0,D[{k}],50)CPT(R[{k}],R[{k}]*0.5+1.25)XIC(B[{k}])XIO(B[{}])OTE(B[{k}]);", (k + 9) % 1000),
             _ => format!("XIC(B[{k}])ONS(B[{}])ADD(D[{k}],1,D[{k}])NEQ(D[{k}],7)SUB(D[{k}],1,D[{}]);", (k + 5) % 1000, (k + 6) % 1000),
         }),
-        ("a machine that waits, with 50 timers", 5, |k| match k % 20 {
-            0 => format!("XIO(B[{k}])TON(T[{}],?,?)XIC(T[{}].DN)XIC(B[{k}])OTE(B[{}]);", k / 20, k / 20, k + 1),
+        ("a machine that waits, with 50 running timers", 5, |k| match k % 20 {
+            0 => format!("XIO(B[{k}])TON(T[{0}],?,?)XIC(T[{0}].DN)OTE(B[{1}]);", k / 20, k + 1),
+            // The timer of the next 20 rungs runs for ever.
+            18 => format!("MOV(2000000000,T[{}].PRE);", k / 20 + 1),
             n if n % 2 == 0 => format!("XIC(B[{k}])XIO(B[{}])[XIC(B[{}]) ,OTE(B[{k}]) ]OTE(B[{k}]);", k + 1, k + 3),
             _ => format!("XIC(B[{}])GRT(D[{k}],3)ADD(D[{k}],1,D[{k}])LES(D[{k}],9)MOV(D[{k}],R[{k}]);", k - 1),
         }),
     ];
     let moving = |k: usize| MOVER.get(k).map_or_else(|| kinds[3].2(k), |rung| (*rung).to_owned());
-    simulated(c, "a machine that moves, with 50 timers", &project(moving));
+    simulated(c, "a machine that moves, with 50 running timers", &project(moving));
     for (name, instructions, text) in kinds {
         let mut group = c.benchmark_group("1,000 rungs");
         group.throughput(Throughput::Elements(instructions * RUNGS as u64));

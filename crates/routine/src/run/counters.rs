@@ -1,7 +1,8 @@
 //! Timers and counters (spec/programs.md §10.2).
 //!
 //! The low 22 bits of a timer's control word hold the time of its last scan, ms, as a controller does it: so the state travels
-//! with the tag, and a timer must be scanned within 69 minutes.
+//! with the tag, and a timer must be scanned within 69 minutes. They are all 1 at the end of a timer, so that its rung
+//! changes nothing then and settles.
 
 use super::{Run, Scan};
 use crate::code::{ACC, Area, PRE};
@@ -12,8 +13,13 @@ const TT: u8 = 0x40;
 const DN: u8 = 0x20;
 const OV: u8 = 0x10;
 const UN: u8 = 0x08;
-/// Bits of the time of the last scan.
-const LAST: i32 = (1 << 22) - 1;
+/// The same bits in the control word, and those of the time of the last scan.
+const EN_WORD: u32 = (EN as u32) << 24;
+const TT_WORD: u32 = (TT as u32) << 24;
+const DN_WORD: u32 = (DN as u32) << 24;
+const LAST: u32 = (1 << 22) - 1;
+/// The time of a timer at its end: that of the scan before this one.
+const NO_TIME: u32 = LAST;
 
 impl Scan<'_> {
     pub(crate) fn timer(&mut self, op: Op, area: &Area, power: bool) -> Run<()> {
@@ -46,61 +52,62 @@ impl Scan<'_> {
             };
             return Err(self.fault(4, 34, Some(operand)));
         }
-        match (op, power) {
-            (Op::Ton, false) => {
-                self.set(bits, EN | TT | DN, false);
+        let word = self.dint(at) as u32;
+        let now = (self.s.now_ms as u32 & LAST).min(NO_TIME - 1);
+        let stamped = |word: u32, time: u32| word & !LAST | time;
+        let is_off_delay = op == Op::Tof;
+        let mut next = word;
+        // In which of its states it is, by its bits: idle, or at its end, or timing.
+        let ends = match (is_off_delay, power) {
+            (false, false) => {
+                next &= !(EN_WORD | TT_WORD);
+                if op == Op::Ton {
+                    next &= !DN_WORD;
+                    self.put_dint(at + 8, 0);
+                }
+                None
+            }
+            (true, true) => {
+                next = next & !TT_WORD | EN_WORD | DN_WORD;
                 self.put_dint(at + 8, 0);
+                None
             }
-            (Op::Rto, false) => self.set(bits, EN | TT, false),
-            (Op::Ton | Op::Rto, true) => {
-                if !self.has(bits, EN) {
-                    self.set(bits, EN, true);
-                    self.stamp(at);
+            (false, true) => {
+                if next & EN_WORD == 0 {
+                    next = stamped(next | EN_WORD, now);
                 }
-                if self.has(bits, DN) {
-                    self.stamp(at);
-                    return Ok(());
-                }
-                let sum = self.accumulate(at);
-                self.set(bits, DN, sum >= preset);
-                self.set(bits, TT, sum < preset);
+                Some(next & DN_WORD != 0)
             }
-            (_, true) => {
-                self.set(bits, EN | DN, true);
-                self.set(bits, TT, false);
-                self.put_dint(at + 8, 0);
-            }
-            (_, false) => {
-                if self.has(bits, EN) {
-                    self.set(bits, EN, false);
-                    self.stamp(at);
+            (true, false) => {
+                if next & EN_WORD != 0 {
+                    next = stamped(next & !EN_WORD, now);
                 }
-                if self.has(bits, DN) {
-                    let sum = self.accumulate(at);
-                    self.set(bits, DN, sum < preset);
-                    self.set(bits, TT, sum < preset);
-                } else {
-                    self.stamp(at);
-                }
+                Some(next & DN_WORD == 0)
             }
+        };
+        match ends {
+            Some(false) => {
+                let last = next & LAST;
+                let last = if last == NO_TIME { self.s.before_ms as u32 } else { last };
+                let passed = now.wrapping_sub(last) & LAST;
+                let sum = self.dint(at + 8).saturating_add(passed as i32);
+                self.put_dint(at + 8, sum);
+                let is_over = sum >= preset;
+                next &= !(TT_WORD | DN_WORD);
+                if is_over != is_off_delay {
+                    next |= DN_WORD;
+                }
+                if !is_over {
+                    next |= TT_WORD;
+                }
+                next = stamped(next, if is_over { NO_TIME } else { now });
+                self.s.is_restless |= !is_over;
+            }
+            Some(true) => next = stamped(next, NO_TIME),
+            None => {}
         }
+        self.put_dint(at, next as i32);
         Ok(())
-    }
-
-    /// Notes the time of this scan in a timer.
-    fn stamp(&mut self, at: u32) {
-        self.s.is_restless = true;
-        let word = self.dint(at) & !LAST;
-        self.put_dint(at, word | (self.s.now_ms as i32 & LAST));
-    }
-
-    /// Adds the time since the last scan of a timer.
-    fn accumulate(&mut self, at: u32) -> i32 {
-        let passed = (self.s.now_ms as i32 & LAST).wrapping_sub(self.dint(at) & LAST) & LAST;
-        let sum = self.dint(at + 8).saturating_add(passed);
-        self.put_dint(at + 8, sum);
-        self.stamp(at);
-        sum
     }
 
     fn timer_with_reset(&mut self, op: Op, area: &Area, at: u32) {
