@@ -41,7 +41,7 @@ struct MovingSystem {
 struct AwakeAxis {
     id: AxisId,
     moved_by: MovedBy,
-    /// The last tick in its generator's frame; the offset between this frame and the axis's.
+    /// The motion of its generator at the present tick, in the generator's frame; the offset between this frame and the axis's.
     now: KinematicState,
     shift: f64,
     /// The command of the present tick.
