@@ -315,11 +315,11 @@ constants! {
         from_rest: u64 = 5_000_000,
         from_rest_each: u64 = 3000,
         /// The smooth curve of the first moves of a stream, which wait for it. Without one, the corners are rounded one by one in 3 to 10 ms.
-        /// Trapezoids, of 82 first plans of dense chords (half the speed of the computer): 150,000: 95 % within 26 ms, longest 32; 60,000: 14 and 20; as
+        /// Trapezoids, of 82 first plans of dense chords, a computer at half its speed: 150,000: 95 % within 26 ms, longest 32; 60,000: 14 and 20; as
         /// much motion. S-curves, of 76: 150,000: 19 and 24 ms; 60,000: 16 and 28, and 5 % more motion.
         to_begin: u64 = 60_000,
         to_begin_s_curve: u64 = 100_000,
-        /// Visits of each node to make the first S-curves of a stream faster on evenly rounded corners, and on those of dense chords, whose nodes are many.
+        /// Visits of each node to make the first S-curves of a stream faster on evenly rounded corners, and on those of dense chords, which have many nodes.
         /// 100: 39 first plans of few moves took up to 18 ms, not 13, and had 3 % less motion; 20: 10 ms and 12 % more.
         begin_each: [u64; 2] = [40, 15],
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
