@@ -26,7 +26,7 @@ impl<T: Copy> Travel<T> {
         Some((rate.sample(sample), planned))
     }
 
-    /// The course of the active superposed move from the present tick on ([`Planner::course`]); `None` while contours are planned as well.
+    /// The course of the active superposed move from the present tick on ([`crate::Planner::course`]); `None` while contours are planned as well.
     pub fn course(&self, time: &Clock) -> Option<Course> {
         if self.contour.is_some() {
             return None;
