@@ -314,14 +314,11 @@ constants! {
         /// times; 1M visits take about 0.3 s.
         from_rest: u64 = 5_000_000,
         from_rest_each: u64 = 3000,
-        /// The smooth curve of the first moves of a stream, which wait for it. Without one, the corners are rounded one by one in 3 to 10 ms.
+        /// The smooth curve of the first moves of a stream, which wait for it. Without one, the corners are rounded one by one in 3 to 20 ms.
         /// Trapezoids, of 82 first plans of dense chords, a computer at half its speed: 150,000: 95 % within 26 ms, longest 32; 60,000: 14 and 20; as
-        /// much motion. S-curves, of 76: 150,000: 19 and 24 ms; 60,000: 16 and 28, and 5 % more motion.
+        /// much motion. S-curves: with 100,000 a circle of 120 chords had no smooth curve.
         to_begin: u64 = 60_000,
-        to_begin_s_curve: u64 = 100_000,
-        /// Visits of each node to make the first S-curves of a stream faster on evenly rounded corners, and on those of dense chords, which have many nodes.
-        /// 100: 39 first plans of few moves took up to 18 ms, not 13, and had 3 % less motion; 20: 10 ms and 12 % more.
-        begin_each: [u64; 2] = [40, 15],
+        to_begin_s_curve: u64 = 150_000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
         to_continue: u64 = 1_000_000,
@@ -592,8 +589,6 @@ constants! {
         /// all limits. More is faster, less is more often within the limits at once. With one slow speed for the whole extension, one slow corner made
         /// 41 s of 0.8 s. The values are not measured.
         shares: [[f64; 2]; 5] = [[0.3, 0.8], [0.5, 0.8], [0.7, 0.8], [0.88, 0.8], [0.88, 0.4]],
-        /// The same shares for a motion from rest; the second is within the limits where the first is not. Others are not measured.
-        begin_shares: [[f64; 2]; 2] = [[0.5, 0.8], [0.3, 0.8]],
         /// The same shares along the smooth curve of dense chords. Not measured.
         smooth_shares: [[f64; 2]; 4] = [[0.2, 0.7], [0.3, 0.8], [0.5, 0.8], [0.8, 0.85]],
         /// The same for a warm start that is slower, and so more often within the limits at once; in place of those above: motion 0.8 % longer.

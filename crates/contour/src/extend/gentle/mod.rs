@@ -15,7 +15,6 @@ use crate::section::Section;
 use crate::solve::work::Budget;
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
-use arcline_profile::KinematicState;
 use fade::Fade;
 use smoothed::Smoothed;
 pub(crate) use speed_curve::SpeedCurve;
@@ -82,21 +81,6 @@ pub(crate) fn gentle_and_smooth(
             .map(|time| left + time),
     );
     control(section, (initial, grid, count), before, behind)
-}
-
-/// Control points of a motion from rest at the beginning of the section.
-pub(crate) fn gentle_from_rest(section: &Section<'_>, shares: [f64; 2]) -> Option<ControlPoints> {
-    let speed_curve = SpeedCurve::new(section);
-    let timing = speed_curve.timing(KinematicState::default(), &speed_curve.ends(shares), shares)?;
-    let marched = marched(&steps(&speed_curve, &timing, 0.0));
-    let rest = AxesState::rest(section.reference.pieces.first()?.start());
-    let mut grid = vec![-marched.first()?, 0.0];
-    grid.extend(marched);
-    let behind = |time: f64| {
-        let along = timing.at(time);
-        (speed_curve.moving(&along), along.position)
-    };
-    control(section, (rest, grid, 2), |_| (rest, 0.0), behind)
 }
 
 /// Control points on a grid whose first knots follow the running motion: from the states at instants of it and after its last followed knot,
