@@ -132,6 +132,7 @@ impl Observer for RunRecords<'_> {
     }
 
     fn tick(&mut self, tick: u64, machine: &Machine, controller: &mut Controller) -> bool {
+        let passed = tick.saturating_sub(self.tick).max(1);
         self.tick = tick;
         if let Some(trace) = &mut self.trace {
             let time = (tick as f64 * machine.period_ns as f64) / 1e9;
@@ -142,7 +143,7 @@ impl Observer for RunRecords<'_> {
             self.rows.resize(from + self.signals.len(), 0.0);
             self.columns.read(controller, &mut self.rows[from..]);
         }
-        self.left -= 1;
+        self.left = self.left.saturating_sub(passed);
         if self.left == 0 {
             self.interrupted = Python::attach(|py| py.check_signals().err());
             self.pace.next();

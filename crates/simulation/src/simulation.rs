@@ -141,13 +141,15 @@ impl Simulation {
         self.controller.begin_tick_after(most)
     }
 
-    /// The number of ticks from the present one on, before a simulated time in seconds, that the observer need not see if they are uneventful.
+    /// The number of ticks from the present one on, before a simulated time in seconds, that the observer need not see if they are uneventful: so
+    /// few that it can soon end the run.
     pub fn unseen_ticks(&self, until: f64, observer: &impl Observer) -> u64 {
         if observer.needs_every_tick() {
             return 0;
         }
         // The conversion saturates. Two ticks fewer: the present one, and one as times are rounded.
-        ((until - self.time()) / self.machine.period() - 2.0) as u64
+        let before = ((until - self.time()) / self.machine.period() - 2.0) as u64;
+        before.min(MOST_UNSEEN)
     }
 
     /// Ends the present tick. Returns false if the observer ends the run.
@@ -364,6 +366,9 @@ impl Simulation {
         snapshot
     }
 }
+
+/// Ticks in a row that an observer does not see: some milliseconds of a processor.
+const MOST_UNSEEN: u64 = 50_000;
 
 /// The error of a call on a line.
 fn erred(image: &Image, mnemonic: Mnemonic, control: ControlSlot, err: i16, exerr: i8) -> impl FnOnce(usize) -> Erred {
