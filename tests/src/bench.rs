@@ -8,7 +8,7 @@ use std::sync::Arc;
 use arcline_config::Project;
 use arcline_controller::drive::Drives;
 use arcline_controller::image::{Image, WriteEffect};
-use arcline_controller::machine::{Corner, LimitPolicy, Machine, StartState};
+use arcline_controller::machine::{CoordinateSystem, Machine, StartState};
 use arcline_controller::{Event, FaultChange, InstructionWrite, Snapshot, WrittenValues};
 use arcline_instruction_set::predefined::motion_status;
 use arcline_instruction_set::{
@@ -414,8 +414,7 @@ impl Twin {
     /// The twin of a simulation at tick 0. `None` for machines that plan contours: that would take twice the time, and ticks with contours are
     /// never passed over.
     fn of(machine: &Machine, simulation: impl FnOnce() -> Simulation) -> Option<Self> {
-        let mut systems = machine.systems.iter();
-        if systems.any(|system| system.corner == Corner::Precise || system.axis_limits == LimitPolicy::Enforce) {
+        if machine.systems.iter().any(CoordinateSystem::plans_contours) {
             return None;
         }
         let mut simulation = simulation();

@@ -23,7 +23,7 @@ use crate::dynamics::PathLimits;
 use crate::dynamics::{Dynamics, Maxima, stop_limits};
 use crate::events::Events;
 use crate::execution::Execution;
-use crate::machine::{CoordinateSystem, Corner, KinematicStructure, LimitPolicy, MAX_SYSTEM_AXES, three};
+use crate::machine::{CoordinateSystem, KinematicStructure, MAX_SYSTEM_AXES, three};
 use crate::masters::follower::{DrivenBy, MasterFollower};
 use crate::masters::links::MasterLinks;
 use crate::stop::{AxisSet, Stop};
@@ -191,10 +191,9 @@ impl System {
         period: f64,
         axis_limits: AxisLimits,
     ) -> Self {
-        let contours = description.corner == Corner::Precise || description.axis_limits == LimitPolicy::Enforce;
         let mut planner = Planner::new(description.queue_depth, corner_step).with_period(period);
         planner.set_dynamics_bits(description.dynamics_bits);
-        let travel = if contours {
+        let travel = if description.plans_contours() {
             let queue = ContourQueue::new(description.queue_depth).deviating(description.deviation);
             Travel::contours(planner, queue)
         } else {

@@ -3,7 +3,7 @@
 //! Goals (issue "the machine's own program"): 20 million simple instructions a second and core, which is 50 ns for each; a project of
 //! 1,000 rungs on a task of 2 ms within 4 µs of each scan and its ticks, 500 times real time. `throughput` counts instructions, also of rungs that
 //! would change nothing and are passed over; "looked at" is the same scan while a page shows the routine, which executes all. "One second of" is what
-//! `simulate` does, with the ticks of the default machine at rest: 2 ms are 500 times real time.
+//! `simulate` does, with the ticks of the default machine: 2 ms are 500 times real time.
 #![allow(missing_docs)]
 
 use std::hint::black_box;

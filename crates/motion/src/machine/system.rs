@@ -49,6 +49,11 @@ pub struct CoordinateSystem {
 }
 
 impl CoordinateSystem {
+    /// Its moves are planned as contours, outside the tick.
+    pub fn plans_contours(&self) -> bool {
+        self.corner == Corner::Precise || self.axis_limits == LimitPolicy::Enforce
+    }
+
     /// A Cartesian coordinate system with these maxima along the path, in units/s and units/s², and the defaults of a configuration
     /// otherwise.
     pub fn new(name: &str, axes: &[AxisId], max_speed: f64, max_acceleration: f64) -> Self {

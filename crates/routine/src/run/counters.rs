@@ -18,8 +18,8 @@ const EN_WORD: u32 = (EN as u32) << 24;
 const TT_WORD: u32 = (TT as u32) << 24;
 const DN_WORD: u32 = (DN as u32) << 24;
 const LAST: u32 = (1 << 22) - 1;
-/// The time of a timer at its end: that of the scan before this one.
-const NO_TIME: u32 = LAST;
+/// The time of a timer at its end, which counts as that of the scan before this one.
+const AT_END: u32 = LAST;
 
 impl Scan<'_> {
     pub(crate) fn timer(&mut self, op: Op, area: &Area, power: bool) -> Run<()> {
@@ -52,13 +52,12 @@ impl Scan<'_> {
             };
             return Err(self.fault(4, 34, Some(operand)));
         }
-        let word = self.dint(at) as u32;
-        let now = (self.s.now_ms as u32 & LAST).min(NO_TIME - 1);
+        let now = (self.s.now_ms as u32 & LAST).min(AT_END - 1);
         let stamped = |word: u32, time: u32| word & !LAST | time;
         let is_off_delay = op == Op::Tof;
-        let mut next = word;
-        // In which of its states it is, by its bits: idle, or at its end, or timing.
-        let ends = match (is_off_delay, power) {
+        let mut next = self.dint(at) as u32;
+        // `None`: it is idle, and does not time.
+        let is_at_end = match (is_off_delay, power) {
             (false, false) => {
                 next &= !(EN_WORD | TT_WORD);
                 if op == Op::Ton {
@@ -85,10 +84,10 @@ impl Scan<'_> {
                 Some(next & DN_WORD == 0)
             }
         };
-        match ends {
+        match is_at_end {
             Some(false) => {
                 let last = next & LAST;
-                let last = if last == NO_TIME { self.s.before_ms as u32 } else { last };
+                let last = if last == AT_END { self.s.before_ms as u32 } else { last };
                 let passed = now.wrapping_sub(last) & LAST;
                 let sum = self.dint(at + 8).saturating_add(passed as i32);
                 self.put_dint(at + 8, sum);
@@ -100,10 +99,10 @@ impl Scan<'_> {
                 if !is_over {
                     next |= TT_WORD;
                 }
-                next = stamped(next, if is_over { NO_TIME } else { now });
+                next = stamped(next, if is_over { AT_END } else { now });
                 self.s.is_restless |= !is_over;
             }
-            Some(true) => next = stamped(next, NO_TIME),
+            Some(true) => next = stamped(next, AT_END),
             None => {}
         }
         self.put_dint(at, next as i32);
