@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::enumerations::JerkUnits;
+use crate::words::compared;
 use crate::{Flag, Mnemonic, Words, catalog};
 
 /// A kind of motion object.
@@ -144,10 +145,10 @@ impl Instruction {
 
     /// Faceplate position of an operand by its name or member name, case and blanks ignored.
     pub fn operand(&self, name: &str) -> Option<usize> {
-        let name = crate::normalized(name).replace('/', "");
+        let letters = |name| compared(name).filter(|c| *c != '/');
         self.operands
             .iter()
-            .position(|operand| crate::normalized(operand.name).replace('/', "") == name)
+            .position(|operand| letters(operand.name).eq(letters(name)))
     }
 
     /// The name of the operand that a motion error blames, where the call left it out.

@@ -46,4 +46,4 @@ pub use instruction_tag::{
 pub use mnemonic::{Mnemonic, UnknownMnemonic};
 pub use object_id::{AxisId, SystemId};
 pub use safety_margin::BlendedSequence;
-pub use words::{Enumeration, Word, Words, list as enumerations, normalized};
+pub use words::{Enumeration, Word, Words, list as enumerations};

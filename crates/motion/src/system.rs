@@ -315,7 +315,7 @@ impl System {
 
     /// The active motion, or the stop of it, is an S-curve: stops have a jerk limit then.
     pub(crate) fn is_s_curve(&self) -> bool {
-        self.travel.highest_jerk().is_some()
+        self.travel.is_s_curve()
     }
 
     /// The stop on the path at the maxima of the coordinate system.

@@ -157,6 +157,17 @@ impl<T: Copy> Travel<T> {
         }
     }
 
+    /// One of the moves that determine the motion, or its stop, is an S-curve.
+    pub fn is_s_curve(&self) -> bool {
+        match self.contour_in_force() {
+            Some(contour) => {
+                let mut moves = contour.moves();
+                moves.any(|motion| motion.limits.jerk.is_some()) || contour.jerk_of_stop().is_some()
+            }
+            None => self.highest_jerk().is_some(),
+        }
+    }
+
     /// The limits of the active move by time, of a contour the programmed ones. `None` if a master drives the move, or if a stop of a contour
     /// has passed the ends of all its moves.
     pub fn limits_in_force(&self, base: &TimeBase) -> Option<Limits> {

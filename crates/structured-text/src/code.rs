@@ -37,8 +37,6 @@ pub(crate) enum Op {
     Delay,
     /// Pops a number: the next operand of the call.
     OperandNumber,
-    /// The next operand of the call is an enumeration word.
-    OperandWord(u32),
     /// Pops the path's computed indices; the next operand of the call is the path as a name.
     OperandName(u32),
     /// Pops this number of numbers: the next operand of the call is the array of them.

@@ -340,9 +340,6 @@ impl Interpreter {
                     let number = self.pop_number()?;
                     self.operands.push(UnboundOperand::Number(number));
                 }
-                Op::OperandWord(word) => self
-                    .operands
-                    .push(UnboundOperand::Word(self.program.words[word as usize].clone())),
                 Op::OperandName(path) => {
                     let path = self.path(path)?;
                     self.operands.push(UnboundOperand::Name(path.to_string()));

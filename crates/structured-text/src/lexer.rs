@@ -72,16 +72,9 @@ impl<'t> Lexer<'t> {
         if first.is_ascii_digit() {
             return Ok(self.token(Kind::Number, number_length(rest)));
         }
-        for sign in SIGNS {
-            if rest.starts_with(sign) {
-                return Ok(self.token(Kind::Sign, sign.len()));
-            }
-        }
-        Err(SyntaxError::new(
-            self.text,
-            self.at,
-            SyntaxProblem::Character { found: first },
-        ))
+        let length = sign_length(rest.as_bytes());
+        let unknown = || SyntaxError::new(self.text, self.at, SyntaxProblem::Character { found: first });
+        Ok(self.token(Kind::Sign, length.ok_or_else(unknown)?))
     }
 
     fn token(&mut self, kind: Kind, length: usize) -> Token<'t> {
@@ -98,6 +91,9 @@ impl<'t> Lexer<'t> {
     fn skip_blanks(&mut self) -> Result<(), SyntaxError> {
         loop {
             let rest = &self.text[self.at..];
+            if rest.starts_with(|c: char| c.is_ascii_graphic() && !matches!(c, '/' | '(')) {
+                return Ok(());
+            }
             let blank = rest.len() - rest.trim_start().len();
             let skip = if blank > 0 {
                 blank
@@ -123,10 +119,14 @@ impl<'t> Lexer<'t> {
     }
 }
 
-/// Longer signs first.
-const SIGNS: &[&str] = &[
-    ":=", "<>", "<=", ">=", "=", "<", ">", "+", "-", "*", "/", "&", "(", ")", "[", "]", ",", ";", ".", "%",
-];
+/// The length of the sign at the start of a text.
+fn sign_length(text: &[u8]) -> Option<usize> {
+    match text {
+        [b':', b'=', ..] | [b'<', b'>' | b'=', ..] | [b'>', b'=', ..] => Some(2),
+        [sign, ..] if b"=<>+-*/&()[],;.%".contains(sign) => Some(1),
+        _ => None,
+    }
+}
 
 fn name_length(text: &str) -> usize {
     let part = |text: &str| {

@@ -35,7 +35,7 @@ pub use driver::{
 pub use error::{RuntimeError, RuntimeProblem, SyntaxError, SyntaxProblem};
 pub use hopeless::Hopeless;
 pub use interpreter::{Answer, EvaluatedCall, Interpreter, OPERATIONS_PER_TICK, Request, STATEMENTS_PER_TICK};
-pub use program::{CallStatement, Names, ObjectAttribute, OperandText, Program, unmade_control};
+pub use program::{CallStatement, Names, ObjectAttribute, Program, unmade_control};
 pub use run::{ProgramRun, is_status};
 
 #[cfg(test)]

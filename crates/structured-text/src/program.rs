@@ -16,7 +16,6 @@ pub struct Program {
     pub(crate) text: String,
     pub(crate) ops: Vec<Op>,
     pub(crate) paths: Vec<Path>,
-    pub(crate) words: Vec<String>,
     pub(crate) calls: Vec<CallStatement>,
     pub(crate) attributes: Vec<ObjectAttribute>,
     pub(crate) uses: Vec<Use>,
@@ -33,8 +32,6 @@ pub struct CallStatement {
     pub target: String,
     /// The motion control tag, as written; `None` when it was left out.
     pub control: Option<String>,
-    /// All operands of the call, target and motion control included, in faceplate order.
-    pub operands: Vec<OperandText>,
     /// Line of the mnemonic, from 1.
     pub line: usize,
     /// Column of the mnemonic in characters, from 1.
@@ -48,17 +45,6 @@ pub struct ObjectAttribute {
     pub attribute: &'static Attribute,
     /// Name of the axis or coordinate system, as written.
     pub name: String,
-}
-
-/// An operand as it stands in the program.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct OperandText {
-    /// Name on the faceplate, such as `Accel Rate`.
-    pub name: &'static str,
-    /// Its text, such as `[100, 50, 0]`.
-    pub text: String,
-    /// Byte offset in the program.
-    pub offset: usize,
 }
 
 /// Knows which names the machine has, for [`Program::check`]. All names ignore case.
@@ -135,7 +121,6 @@ impl Program {
             text: text.to_owned(),
             ops: Vec::new(),
             paths: Vec::new(),
-            words: Vec::new(),
             calls: Vec::new(),
             attributes: Vec::new(),
             uses: Vec::new(),

@@ -9,7 +9,7 @@ use super::{Parser, place_of};
 use crate::code::{Meaning, Op, Part, WordPlace};
 use crate::error::{SyntaxError, SyntaxProblem};
 use crate::lexer::{Kind, Token};
-use crate::program::{CallStatement, OperandText};
+use crate::program::CallStatement;
 
 impl<'t> Parser<'t> {
     /// Everything behind the name, which must be a mnemonic.
@@ -33,7 +33,6 @@ impl<'t> Parser<'t> {
             mnemonic,
             target: String::new(),
             control: None,
-            operands: Vec::new(),
             line: name.line as usize,
             column: before[line_start..].chars().count() + 1,
         };
@@ -74,15 +73,6 @@ impl<'t> Parser<'t> {
                 }
                 kind => self.operand(mnemonic, place, kind)?,
             }
-            statement.operands.push(OperandText {
-                name: operand.name,
-                text: self
-                    .text
-                    .get(start.offset..self.last_end)
-                    .unwrap_or_default()
-                    .to_owned(),
-                offset: start.offset,
-            });
             place += 1;
             if self.peek.is(",") {
                 self.advance()?;
@@ -117,14 +107,12 @@ impl<'t> Parser<'t> {
     /// A word or a number that means nothing: any word will do.
     fn ignored_operand(&mut self) -> Result<(), SyntaxError> {
         if self.peek.kind == Kind::Name {
-            let word = place_of(self.program.words.len());
-            self.program.words.push(self.peek.text.to_owned());
             self.advance()?;
-            self.emit(Op::OperandWord(word));
+            self.emit(Op::Number(0.0));
         } else {
             self.expression()?;
-            self.emit(Op::OperandNumber);
         }
+        self.emit(Op::OperandNumber);
         Ok(())
     }
 
@@ -210,21 +198,23 @@ impl<'t> Parser<'t> {
             token = lexer.next()?;
         }
         let named = text.contains(|c: char| c.is_ascii_alphabetic());
+        if named
+            && (token.is(",") || token.is(")"))
+            && let Some(value) = words.parse_word(&text)
+        {
+            for _ in 0..count {
+                self.advance()?;
+            }
+            self.emit(Op::Number(value.into()));
+            self.emit(Op::OperandNumber);
+            return Ok(());
+        }
         let context = WordPlace {
             mnemonic,
             place,
             text: text.chars().take(60).collect(),
             offset: start.offset,
         };
-        if named && (token.is(",") || token.is(")")) && words.parse_word(&text).is_some() {
-            for _ in 0..count {
-                self.advance()?;
-            }
-            let word = place_of(self.program.words.len());
-            self.program.words.push(text);
-            self.emit(Op::OperandWord(word));
-            return Ok(());
-        }
         if start.is("%") {
             return Err(unknown_word(self.text, &context, std::iter::empty()));
         }
