@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 
 use rustix::io::Errno;
 use rustix::mm::MlockAllFlags;
-use rustix::process::{Resource, getrlimit};
+use rustix::process::{Resource, getrlimit, setpriority_process};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity, set_current_timer_slack};
 
 /// The results for the real-time thread.
@@ -87,6 +87,16 @@ pub fn prepare_beside_tick() -> Report {
     }
     report
 }
+
+/// Gives the calling thread a larger share of a busy processor than other threads of the normal class, if the system allows that.
+pub(crate) fn prefer() {
+    if let Err(error) = setpriority_process(None, PREFERRED) {
+        tracing::debug!("no higher priority for the planning of contours: {error}");
+    }
+}
+
+/// The nice value of a preferred thread: nine times the weight of a normal one.
+const PREFERRED: i32 = -10;
 
 /// Far below the tick's own priority.
 const BESIDE_TICK: i32 = 40;

@@ -130,7 +130,10 @@ pub fn spawn(machine: &Machine, options: Options) -> Result<(ServerRings, Handle
         let over = stop.clone();
         std::thread::Builder::new()
             .name("arcline-contour".to_owned())
-            .spawn(move || planning.run(&over))
+            .spawn(move || {
+                schedule::prefer();
+                planning.run(&over);
+            })
             .map_err(SpawnError)?;
     }
     let report = report.recv().unwrap_or_default();
