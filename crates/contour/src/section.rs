@@ -152,9 +152,33 @@ impl<'a> Section<'a> {
 
     /// Makes a warm start faster that a mend brings within all limits; `None` if it does not.
     pub(crate) fn hasten(&self, warm_start: ControlPoints, mend: Mend, work: &mut Work) -> Option<Trajectory> {
-        let mut margin = ToleranceMargin::new();
         let stages = stages(self.smoothness, Quality::TimingOnly);
-        let stage = stages.last()?;
+        self.hasten_by(stages.last()?, TUNING.work.hastening_each, warm_start, mend, work)
+    }
+
+    /// The same for the beginning of a stream, with little work: the motion waits for it.
+    pub(crate) fn hasten_to_begin(&self, warm_start: ControlPoints) -> Option<Trajectory> {
+        let mut stage = *stages(self.smoothness, Quality::TimingOnly).last()?;
+        stage.end_soon();
+        self.hasten_by(
+            &stage,
+            TUNING.work.begin_each,
+            warm_start,
+            Mend::Smoothing,
+            &mut Work::of(0),
+        )
+    }
+
+    /// One stage, with at least this number of visits of each node.
+    fn hasten_by(
+        &self,
+        stage: &Stage,
+        each: u64,
+        warm_start: ControlPoints,
+        mend: Mend,
+        work: &mut Work,
+    ) -> Option<Trajectory> {
+        let mut margin = ToleranceMargin::new();
         let mut best = match mend {
             Mend::Smoothing => self.within(warm_start.clone(), &mut margin).or_else(|| {
                 let mut smoothed = warm_start;
@@ -169,7 +193,7 @@ impl<'a> Section<'a> {
             }
         };
         let mut control = best.control.clone();
-        work.allow_hastening(control.points.len());
+        work.allow(each, control.points.len());
         for round in 0..=TUNING.gentle.repairs {
             // If the curve is outside with the new times of its nodes, it is smoothed for these.
             if round > 0 {
@@ -203,7 +227,7 @@ impl<'a> Section<'a> {
             trajectory,
             times,
             excess,
-        } = measured(&control, &self.bounds, &self.reference, StageResult::Start);
+        } = measured(&control, &self.bounds, &self.reference, StageResult::Plan);
         let worst = margin.tighten(&trajectory, &control, &self.reference, &self.allowance);
         (worst <= 1.0 && excess <= 1.0 + LIMIT_SHARE).then_some(Solved {
             trajectory,
@@ -318,7 +342,7 @@ impl<'a> Section<'a> {
             if work.is_done() {
                 let within = within_before.ok_or(Missed::Near)?;
                 let last = stages.iter().rfind(|stage| stage.result == StageResult::Plan);
-                work.allow_hastening(within.control.points.len());
+                work.allow(TUNING.work.hastening_each, within.control.points.len());
                 return Ok(match last {
                     Some(stage) => self.improved(within, stage, &margin, work),
                     None => within,

@@ -98,6 +98,18 @@ pub(crate) struct Knot {
     pub(crate) jerk: Point,
 }
 
+impl Knot {
+    /// All its values are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        let AxesState {
+            position,
+            velocity,
+            acceleration,
+        } = self.state;
+        (self.time + (position + velocity + acceleration + self.jerk).sum()).is_finite()
+    }
+}
+
 /// Extreme values of each axis over a whole trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peaks {

@@ -4,7 +4,7 @@
 //! stays the same, to the last bit. Position units and seconds.
 
 mod continuation;
-mod gentle;
+pub(crate) mod gentle;
 pub(crate) mod replan;
 mod search;
 mod splice;

@@ -5,6 +5,7 @@ use crate::limits::MoveLimits;
 use crate::path::reference::ReferencePath;
 use crate::solve::stages::StageResult;
 use crate::timing::control_points::ControlPoints;
+use crate::trajectory::Knot;
 
 /// A motion with its excess.
 pub(crate) struct Measured {
@@ -25,7 +26,7 @@ pub(crate) fn measured(
 ) -> Measured {
     let trajectory = control.spline(&control.spans);
     let excess = excess(&trajectory, control, bounds, reference);
-    if control.initial.is_some() {
+    if control.initial.is_some() || !excess.is_finite() {
         return Measured {
             times: control.times(&trajectory),
             trajectory,
@@ -42,8 +43,11 @@ pub(crate) fn measured(
     }
 }
 
-/// The factor by which the trajectory must take longer to keep every limit; below 1 it may be shorter.
+/// The factor by which the trajectory must take longer to keep every limit; below 1 it may be shorter. Infinite if a value of it is no number.
 fn excess(trajectory: &Trajectory, control: &ControlPoints, bounds: &[MoveLimits], reference: &ReferencePath) -> f64 {
+    if !trajectory.knots.iter().all(Knot::is_finite) {
+        return f64::INFINITY;
+    }
     let mut factor = 0.0_f64;
     let last = control.progress.len() - 1;
     for (k, pair) in trajectory.knots.windows(2).enumerate() {

@@ -109,9 +109,9 @@ impl Work {
         self.visited += nodes as u64;
     }
 
-    /// Leaves enough work to make a slow motion of this number of nodes fast, about.
-    pub(crate) fn allow_hastening(&mut self, nodes: usize) {
-        self.left = self.left.max(TUNING.work.hastening_each * nodes as u64);
+    /// Leaves at least this number of visits of each of this number of nodes.
+    pub(crate) fn allow(&mut self, each: u64, nodes: usize) {
+        self.left = self.left.max(each * nodes as u64);
     }
 
     pub(crate) fn is_done(&self) -> bool {

@@ -24,6 +24,18 @@ pub(crate) struct ControlPoints {
 pub(crate) const GIVEN: usize = 3;
 
 impl ControlPoints {
+    /// Without control points, on the nodes of a grid, for a motion from rest.
+    pub(crate) fn from_rest(grid: &[f64]) -> ControlPoints {
+        ControlPoints {
+            points: Vec::with_capacity(grid.len()),
+            progress: Vec::with_capacity(grid.len()),
+            spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+            initial: None,
+            kept_nodes: 0,
+            held_nodes: 0,
+        }
+    }
+
     /// Without control points, on the nodes of a grid, for the continuation of a motion from a state: its first `followed` nodes
     /// follow the motion.
     pub(crate) fn continuing(initial: AxesState, grid: &[f64], followed: usize) -> ControlPoints {

@@ -49,14 +49,7 @@ pub(crate) fn first_guess(
             node_s,
         },
     );
-    let mut control = ControlPoints {
-        points: Vec::with_capacity(grid.len()),
-        progress: Vec::with_capacity(grid.len()),
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        initial: None,
-        kept_nodes: 0,
-        held_nodes: 0,
-    };
+    let mut control = ControlPoints::from_rest(&grid);
     let mut on_arc = Vec::with_capacity(grid.len());
     let mut i = 0;
     for at in sites(&grid) {

@@ -81,10 +81,7 @@ pub(crate) fn resample(
     ControlPoints {
         points,
         progress,
-        spans: grid.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        initial: None,
-        kept_nodes: 0,
-        held_nodes: 0,
+        ..ControlPoints::from_rest(&grid)
     }
 }
 

@@ -2,7 +2,7 @@
 //! never slower than stopping at every corner.
 
 use crate::common::{PROFILES, Profile, SPEED, arc_through, check_peaks, off, profile, with_stops};
-use arcline_contour::{ContourMove, Deviation, Path, Point, Trajectory, plan};
+use arcline_contour::{ContourMove, Deviation, Path, Point, Trajectory, begin, plan};
 use proptest::prelude::*;
 
 /// A polyline or, where `bulge` is not small, arcs through a point beside the chord.
@@ -193,4 +193,41 @@ fn a_corner_without_tolerance_is_a_stop() {
     let trajectory = plan(&moves, &Profile::SCurve.limits());
     let corner = trajectory.at(trajectory.move_end(0).expect("two moves"));
     assert_eq!((corner.position, corner.velocity), (b, Point::zeros()));
+}
+
+/// The first moves of a stream, from very short to very long ones: within all limits, near the path and exact at the end.
+fn check_beginning(moves: &[ContourMove], profile: Profile) -> Result<(), TestCaseError> {
+    let limits = profile.limits();
+    let trajectory = begin(moves, &limits);
+    prop_assert!(trajectory.moves() > 0);
+    let planned = &moves[..trajectory.moves()];
+    let end = planned[planned.len() - 1].path.end();
+    prop_assert_eq!(trajectory.at(trajectory.duration()).position, end);
+    prop_assert_eq!(trajectory.at(0.0).position, moves[0].path.start());
+    check_peaks(&trajectory.peaks(), &limits)?;
+    let count = 300;
+    for k in 0..=count {
+        let t = trajectory.duration() * f64::from(k) / f64::from(count);
+        let state = trajectory.at(t);
+        prop_assert!(state.velocity.norm() <= SPEED * (1.0 + 1e-9), "{state:?}");
+        let off = off(planned, &state.position);
+        prop_assert!(off <= moves[0].tolerance * 1.001 + 2e-3, "off by {off} at {t}");
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases.div_ceil(8), ..ProptestConfig::default() })]
+
+    #[test]
+    fn beginnings_of_streams(
+        steps in prop::collection::vec(step(), 1..8),
+        scale in -2.5..1.5_f64,
+        tolerance in 0.01..0.5_f64,
+        profile in profile(),
+    ) {
+        let scale = libm::exp10(scale);
+        let steps: Vec<_> = steps.into_iter().map(|(x, y, z, bulge)| (x * scale, y * scale, z * scale, bulge)).collect();
+        check_beginning(&course(&steps, tolerance, profile), profile)?;
+    }
 }

@@ -15,6 +15,7 @@ use crate::section::Section;
 use crate::solve::work::Budget;
 use crate::timing::control_points::{ControlPoints, blossom};
 use crate::tuning::TUNING;
+use arcline_profile::KinematicState;
 use fade::Fade;
 use smoothed::Smoothed;
 pub(crate) use speed_curve::SpeedCurve;
@@ -81,6 +82,28 @@ pub(crate) fn gentle_and_smooth(
             .map(|time| left + time),
     );
     control(section, (initial, grid, count), before, behind)
+}
+
+/// Control points of a motion from rest at the beginning of the section.
+pub(crate) fn gentle_from_rest(section: &Section<'_>) -> Option<ControlPoints> {
+    let shares = TUNING.gentle.begin_shares;
+    let speed_curve = SpeedCurve::new(section);
+    let timing = speed_curve.timing(KinematicState::default(), &speed_curve.ends(shares), shares)?;
+    let mut grid = marched(&steps(&speed_curve, &timing, 0.0));
+    // The motion begins before the first node, and comes to rest behind the last.
+    let whole = grid.pop()?;
+    let mut control = ControlPoints::from_rest(&grid);
+    for (k, &time) in grid.iter().enumerate() {
+        let before = k.checked_sub(1).map_or(0.0, |before| grid[before]);
+        let behind = grid.get(k + 1).copied().unwrap_or(whole);
+        let along = timing.at(time);
+        let around = [before - time, 0.0, behind - time];
+        control.points.push(blossom(&speed_curve.moving(&along), around));
+        control.progress.push(along.position.min(section.reference.length()));
+    }
+    *control.points.first_mut()? = section.reference.pieces.first()?.start();
+    *control.progress.first_mut()? = 0.0;
+    Some(control.completed(&section.reference))
 }
 
 /// Control points on a grid whose first knots follow the running motion: from the states at instants of it and after its last followed knot,

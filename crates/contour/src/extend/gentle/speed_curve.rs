@@ -196,7 +196,7 @@ impl<'a> SpeedCurve<'a> {
     /// there. `None`: the motion is too fast for the path ahead.
     fn first(&self, state: KinematicState, ends: &[f64], shares: [f64; 2]) -> Option<(usize, Profile)> {
         let first = self.part_at(state.position);
-        if state.velocity <= 0.0 {
+        if state.velocity < 0.0 {
             return None;
         }
         let behind = [0, 1, 2, 4, 8, 16, 32, 64, 128].map(|more| first + more);
