@@ -320,8 +320,9 @@ constants! {
         to_begin: u64 = 60_000,
         to_begin_s_curve: u64 = 150_000,
         /// Visits of each node to make the first S-curves of a stream faster on evenly rounded corners.
-        /// Of 39 first plans of few moves: 100: up to 18 ms, not 13, and 3 % less motion; 20: 10 ms and 12 % more.
-        begin_each: u64 = 40,
+        /// 39 first plans of few moves took 13 ms at most with 40, and 24 with 100; 60: 16 ms and 3 % less time of motion than 40, as with 100. With 40, the speed
+        /// along a circle of 120 chords flickered.
+        begin_each: u64 = 60,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
         to_continue: u64 = 1_000_000,
