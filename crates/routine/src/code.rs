@@ -440,6 +440,8 @@ pub(crate) struct Rung {
     pub(crate) is_of_bits: bool,
     /// Whether it can settle.
     pub(crate) settles: bool,
+    /// The first byte of its only timer, if no other operand depends on the timer's time.
+    pub(crate) timer: Option<u32>,
     /// Instructions of the routine up to its end.
     pub(crate) behind: u32,
 }
@@ -451,6 +453,7 @@ impl Rung {
             number,
             is_of_bits: nodes.iter().all(is_bit),
             settles: false,
+            timer: None,
             behind: 0,
             nodes,
         }

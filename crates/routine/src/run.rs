@@ -82,6 +82,8 @@ pub(crate) struct ExecutionState {
     pub(crate) memory: Memory,
     /// Whether the present step has done something other than writes to the memory, or depends on the time: it does not settle.
     pub(crate) is_restless: bool,
+    /// The timer of the present step that times, and its writes.
+    pub(crate) timing: Option<Timing>,
     /// Bases of add-on instructions that run, and the first one of the innermost.
     bases: Vec<Base>,
     frame: usize,
@@ -143,6 +145,13 @@ pub(crate) struct ExecutionState {
     /// The power flow of the watched routines, and the position of the next bit.
     pub(crate) traces: Vec<Trace>,
     trace: Cursor,
+}
+
+/// A timer that has timed and will go on: its first byte, and its writes to the memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timing {
+    pub(crate) at: u32,
+    pub(crate) changes: u64,
 }
 
 /// The first byte of an instance of an add-on instruction, or the operand of a parameter by reference.

@@ -15,6 +15,13 @@ use crate::code::{
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
 
+/// What is known of a step: whether it can settle, and its timer ([`Rung::timer`]).
+#[derive(Clone, Copy, Debug, Default)]
+struct Step {
+    settles: bool,
+    timer: Option<u32>,
+}
+
 /// Numbers the steps of all programs, and finds the readers of the memory.
 pub(crate) fn number(code: &mut Code) -> Readers {
     let mut collector = Collector::default();
@@ -22,8 +29,8 @@ pub(crate) fn number(code: &mut Code) -> Readers {
         return collector.readers();
     }
     let mut finder = Finder::new(code);
-    // Of each routine the number of its first step, and for each step whether it can settle.
-    let found: Vec<Option<(u32, Vec<bool>)>> = code
+    // Of each routine the number of its first step, and its steps.
+    let found: Vec<Option<(u32, Vec<Step>)>> = code
         .routines
         .iter()
         .map(|routine| {
@@ -34,25 +41,34 @@ pub(crate) fn number(code: &mut Code) -> Readers {
                 Body::Text(statements) => statements.iter().map(|one| finder.of_statement(one)).collect(),
             };
             let first = collector.add_steps(known.len());
-            let settles = (first..).zip(known);
-            let settles = settles.map(|(step, known)| known.is_some_and(|operands| collector.read(step, &operands)));
-            Some((first, settles.collect()))
+            let rungs = match &routine.body {
+                Body::Ladder(rungs) => &**rungs,
+                Body::Text(_) => &[],
+            };
+            let found = (0..).zip(known).map(|(place, known)| {
+                let Some(operands) = known else { return Step::default() };
+                Step {
+                    settles: collector.read(first + place as u32, &operands),
+                    timer: rungs.get(place).and_then(|rung| timer(rung, &operands)),
+                }
+            });
+            Some((first, found.collect()))
         })
         .collect();
     for (routine, found) in code.routines.iter_mut().zip(found) {
-        let Some((first, settles)) = found else { continue };
+        let Some((first, found)) = found else { continue };
         routine.first_step = Some(first);
         match &mut routine.body {
             Body::Ladder(rungs) => {
                 let mut behind = 0;
-                for (rung, settles) in rungs.iter_mut().zip(settles) {
+                for (rung, step) in rungs.iter_mut().zip(found) {
                     behind += instructions(&rung.nodes) + 1;
-                    (rung.settles, rung.behind) = (settles, behind);
+                    (rung.settles, rung.timer, rung.behind) = (step.settles, step.timer, behind);
                 }
             }
             Body::Text(statements) => {
-                for (statement, settles) in statements.iter_mut().zip(settles) {
-                    statement.settles = settles;
+                for (statement, step) in statements.iter_mut().zip(found) {
+                    statement.settles = step.settles;
                 }
             }
         }
@@ -75,6 +91,48 @@ fn instructions(nodes: &[Node]) -> u32 {
     };
     nodes.iter().map(of).sum()
 }
+
+/// The first byte of the only timer of a rung, if no other operand depends on its time: on ACC, or on the bits that hold the time of its last scan.
+fn timer(rung: &Rung, operands: &[Operands]) -> Option<u32> {
+    let mut found = Vec::new();
+    timers(&rung.nodes, &mut found);
+    let [Area { place, size, .. }] = found.as_slice() else {
+        return None;
+    };
+    if place.base != 0 || !place.index.is_empty() {
+        return None;
+    }
+    let at = place.at;
+    let own = Operands {
+        from: at,
+        to: at + size,
+        mask: 0xFF,
+    };
+    let times = [at..at + TIME_OF_SCAN, at + ACCUMULATED..at + ACCUMULATED + 4];
+    let depends = |one: &&Operands| times.iter().any(|time| one.from < time.end && time.start < one.to);
+    let mut dependent = operands.iter().filter(depends);
+    (dependent.next() == Some(&own) && dependent.next().is_none()).then_some(at)
+}
+
+fn timers<'n>(nodes: &'n [Node], found: &mut Vec<&'n Area>) {
+    for node in nodes {
+        match node {
+            Node::Branch(legs) => legs.iter().for_each(|leg| timers(leg, found)),
+            Node::Instruction(instruction) => {
+                if let (Op::Ton | Op::Tof | Op::Rto, [Argument::Area(area), ..]) =
+                    (instruction.op, &*instruction.arguments)
+                {
+                    found.push(area);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Bytes at the beginning of a timer that hold the time of its last scan, and the place of ACC.
+const TIME_OF_SCAN: u32 = 3;
+const ACCUMULATED: u32 = 8;
 
 /// Finds the operands of a step.
 struct Finder<'c> {

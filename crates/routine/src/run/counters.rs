@@ -2,9 +2,9 @@
 //!
 //! The low 22 bits of a timer's control word hold the time of its last scan, ms, as a controller does it: so the state travels
 //! with the tag, and a timer must be scanned within 69 minutes. They are all 1 at the end of a timer, so that its rung
-//! changes nothing then and settles.
+//! changes nothing then and settles. The rung of a running timer is timing ([`super::Memory`]).
 
-use super::{Run, Scan};
+use super::{Run, Scan, Timing};
 use crate::code::{ACC, Area, PRE};
 use crate::table::Op;
 
@@ -52,10 +52,11 @@ impl Scan<'_> {
             };
             return Err(self.fault(4, 34, Some(operand)));
         }
-        let now = (self.s.now_ms as u32 & LAST).min(AT_END - 1);
+        let now = self.time_of_scan();
         let stamped = |word: u32, time: u32| word & !LAST | time;
         let is_off_delay = op == Op::Tof;
-        let mut next = self.dint(at) as u32;
+        let (word, changes) = (self.dint(at) as u32, self.s.memory.changes());
+        let mut next = word;
         // `None`: it is idle, and does not time.
         let is_at_end = match (is_off_delay, power) {
             (false, false) => {
@@ -100,13 +101,46 @@ impl Scan<'_> {
                     next |= TT_WORD;
                 }
                 next = stamped(next, if is_over { AT_END } else { now });
-                self.s.is_restless |= !is_over;
+                self.put_dint(at, next as i32);
+                if !is_over {
+                    let only_time = (word ^ next) & !LAST == 0 && self.s.timing.is_none();
+                    let changes = self.s.memory.changes() - changes;
+                    self.s.timing = Some(Timing { at, changes });
+                    self.s.is_restless |= !only_time;
+                }
+                return Ok(());
             }
             Some(true) => next = stamped(next, AT_END),
             None => {}
         }
         self.put_dint(at, next as i32);
         Ok(())
+    }
+
+    /// The time of this scan as timers hold it.
+    fn time_of_scan(&self) -> u32 {
+        (self.s.now_ms as u32 & LAST).min(AT_END - 1)
+    }
+
+    /// The control word and ACC of a running timer after this scan, if it then still runs.
+    pub(crate) fn running(&self, at: u32) -> Option<(u32, i32)> {
+        let (word, preset, accumulated) = (self.dint(at) as u32, self.dint(at + 4), self.dint(at + 8));
+        let (last, now) = (word & LAST, self.time_of_scan());
+        if word & TT_WORD == 0 || last == AT_END || preset < 0 || accumulated < 0 {
+            return None;
+        }
+        let sum = accumulated.saturating_add((now.wrapping_sub(last) & LAST) as i32);
+        (sum < preset).then_some((word & !LAST | now, sum))
+    }
+
+    /// Brings the timer of a timing step forward; false: its time may be over.
+    pub(crate) fn bring_forward(&mut self, at: u32, step: u32) -> bool {
+        let Some((word, sum)) = self.running(at) else {
+            return false;
+        };
+        self.s.memory.put_except(at as usize, word.to_le_bytes(), step);
+        self.s.memory.put_except(at as usize + 8, sum.to_le_bytes(), step);
+        true
     }
 
     fn timer_with_reset(&mut self, op: Op, area: &Area, at: u32) {

@@ -1,7 +1,7 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
 use super::Number;
-use super::{BUDGET, Cursor, Exit, MAX_CALLS, Run, STATUS_EVENT, Scan};
+use super::{BUDGET, Cursor, Exit, Host, MAX_CALLS, Run, STATUS_EVENT, Scan};
 use crate::NoMachine;
 use crate::code::{Argument, Body, Instruction, Node, Rung, Statement, Transfer};
 use crate::table::Op;
@@ -53,11 +53,10 @@ impl<'s> Scan<'s> {
             let settled = if TRACED {
                 0
             } else {
-                self.settled(step, rungs.len() - next)
+                self.settled_rungs(step, rungs.get(next..).unwrap_or_default())
             };
             if settled > 0 {
                 let over = rungs.get(next..next + settled).unwrap_or_default();
-                self.check_settled(over, &[]);
                 let before = next.checked_sub(1).and_then(|before| rungs.get(before));
                 let before = before.map_or(0, |rung| rung.behind);
                 next += settled;
@@ -86,7 +85,7 @@ impl<'s> Scan<'s> {
             let changes = self.begin_step(settling);
             match self.nodes::<TRACED>(&rung.nodes, power) {
                 Ok(_) => {
-                    self.end_step(settling, changes);
+                    self.end_step(settling, changes, rung.timer);
                     next += 1;
                 }
                 Err(Exit::Jump(rung)) => next = rung as usize,
@@ -102,6 +101,60 @@ impl<'s> Scan<'s> {
         match self.spend(instructions).and_then(|()| self.pass()) {
             Err(Exit::Fault) if self.recovers() => Ok(()),
             passed => passed,
+        }
+    }
+
+    /// Passes over settled rungs at the beginning of these, and brings the timers of those forward that are timing; returns how many they are.
+    fn settled_rungs(&mut self, step: Option<u32>, rungs: &[Rung]) -> usize {
+        let mut count = 0;
+        loop {
+            let rest = rungs.get(count..).unwrap_or_default();
+            let here = step.map(|step| step + count as u32);
+            let settled = self.settled(here, rest.len());
+            self.check_settled(rest.get(..settled).unwrap_or_default(), &[]);
+            count += settled;
+            let timing = here.map(|here| here + settled as u32).zip(rest.get(settled));
+            match timing {
+                Some((step, rung)) if self.has_power() && self.passes_timing(step, rung) => count += 1,
+                _ => return count,
+            }
+        }
+    }
+
+    /// Brings the timer of a rung forward, if that is all that the rung would do.
+    fn passes_timing(&mut self, step: u32, rung: &Rung) -> bool {
+        let Some(at) = rung.timer.filter(|_| self.s.memory.is_timing(step)) else {
+            return false;
+        };
+        if !cfg!(debug_assertions) {
+            return self.bring_forward(at, step);
+        }
+        // Executing the rung must do the same.
+        let Some(expected) = self.running(at) else { return false };
+        let (changes, budget) = (self.s.memory.changes(), self.s.budget);
+        let (instruction, line) = (self.s.instruction, self.s.line);
+        (self.s.is_restless, self.s.timing, self.s.budget) = (false, None, BUDGET);
+        let executed = self.on(&mut NoMachine).nodes::<false>(&rung.nodes, true);
+        let only_timer = self.s.timing.is_some_and(|timing| {
+            timing.at == at && self.s.memory.changes() == changes + timing.changes && !self.s.is_restless
+        });
+        debug_assert!(
+            executed.is_ok() && only_timer && expected == (self.dint(at) as u32, self.dint(at + 8)),
+            "the timing rung {} does more than to time",
+            rung.number
+        );
+        self.s.memory.settle(step, true);
+        (self.s.budget, self.s.instruction, self.s.line) = (budget, instruction, line);
+        true
+    }
+
+    /// The same scan with another host.
+    fn on<'a>(&'a mut self, host: &'a mut dyn Host) -> Scan<'a> {
+        Scan {
+            code: self.code,
+            s: &mut *self.s,
+            host,
+            caller: None,
         }
     }
 
@@ -121,17 +174,22 @@ impl<'s> Scan<'s> {
     /// Begins a step, which is `settling` if it can settle; returns the number of changes of the memory.
     pub(crate) fn begin_step(&mut self, settling: Option<u32>) -> u64 {
         self.s.is_restless &= settling.is_none();
+        self.s.timing = None;
         self.s.memory.changes()
     }
 
-    /// Ends a step: it settles if it has changed nothing.
-    pub(crate) fn end_step(&mut self, settling: Option<u32>, changes: u64) {
-        if let Some(step) = settling
-            && self.has_power()
-            && !self.s.is_restless
-            && self.s.memory.changes() == changes
-        {
-            self.s.memory.settle(step);
+    /// Ends a step with this timer alone: it settles if it has changed nothing, or nothing but the time of its timer.
+    pub(crate) fn end_step(&mut self, settling: Option<u32>, changes: u64, timer: Option<u32>) {
+        let Some(step) = settling.filter(|_| self.has_power() && !self.s.is_restless) else {
+            return;
+        };
+        let of_timer = match self.s.timing {
+            None => 0,
+            Some(timing) if timer == Some(timing.at) => timing.changes,
+            Some(_) => return,
+        };
+        if self.s.memory.changes() == changes + of_timer {
+            self.s.memory.settle(step, self.s.timing.is_some());
         }
     }
 
@@ -143,19 +201,15 @@ impl<'s> Scan<'s> {
         let (changes, budget) = (self.s.memory.changes(), self.s.budget);
         let (instruction, line) = (self.s.instruction, self.s.line);
         let flags = (self.s.overflow, self.s.zero, self.s.negative, self.s.carry);
-        (self.s.is_restless, self.s.budget) = (false, BUDGET);
-        let mut scan = Scan {
-            code: self.code,
-            s: &mut *self.s,
-            host: &mut NoMachine,
-            caller: None,
-        };
+        (self.s.is_restless, self.s.timing, self.s.budget) = (false, None, BUDGET);
+        let mut host = NoMachine;
+        let mut scan = self.on(&mut host);
         let executed = rungs
             .iter()
             .try_for_each(|rung| scan.nodes::<false>(&rung.nodes, true).map(|_| ()))
             .and_then(|()| scan.statements(statements));
         debug_assert!(
-            executed.is_ok() && !self.s.is_restless && self.s.memory.changes() == changes,
+            executed.is_ok() && !self.s.is_restless && self.s.timing.is_none() && self.s.memory.changes() == changes,
             "a settled step from line {line} on changes something"
         );
         (self.s.budget, self.s.instruction, self.s.line) = (budget, instruction, line);
@@ -200,7 +254,7 @@ impl<'s> Scan<'s> {
             if let Some(step) = step
                 && memory.changes() == changes
             {
-                memory.settle(step);
+                memory.settle(step, false);
             }
             count += 1;
             instructions += rung.nodes.len() + 1;

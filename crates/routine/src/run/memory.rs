@@ -4,6 +4,8 @@
 //! memory alone, would change nothing the next time either, until one of its operands changes: it is *settled*, and the scan passes over it. A scan
 //! therefore takes time only for steps that are not settled. Every write to the memory goes through [`Memory`], which unsettles the steps that have a
 //! changed bit among their operands.
+//!
+//! A rung that would change nothing but the time of its running timer is settled too, and *timing*: the scan only brings the timer forward.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -19,6 +21,8 @@ pub struct Memory {
     readers: Arc<Readers>,
     /// A bit for each step.
     settled: Vec<u64>,
+    /// A bit for each step, which counts while it is settled.
+    timing: Vec<u64>,
     /// Writes that have changed a byte.
     changes: u64,
 }
@@ -42,6 +46,7 @@ impl Memory {
     /// Takes the readers of a project's steps; none is settled.
     pub(crate) fn set_readers(&mut self, readers: Readers) {
         self.settled = vec![0; (readers.steps as usize).div_ceil(64)];
+        self.timing = self.settled.clone();
         self.readers = Arc::new(readers);
     }
 
@@ -52,6 +57,11 @@ impl Memory {
 
     /// Writes some bytes.
     pub(crate) fn put<const N: usize>(&mut self, at: usize, new: [u8; N]) {
+        self.put_except(at, new, u32::MAX);
+    }
+
+    /// The same without unsettling one step.
+    pub(crate) fn put_except<const N: usize>(&mut self, at: usize, new: [u8; N], step: u32) {
         let place = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut);
         let Some(place) = place else { return };
         let old = std::mem::replace(place, new);
@@ -61,11 +71,11 @@ impl Memory {
         self.changes += 1;
         match (<[u8; WORD]>::try_from(&old[..]), <[u8; WORD]>::try_from(&new[..])) {
             (Ok(old), Ok(new)) if at.is_multiple_of(WORD) => {
-                self.unsettle(at / WORD, u32::from_le_bytes(old) ^ u32::from_le_bytes(new));
+                self.unsettle(at / WORD, u32::from_le_bytes(old) ^ u32::from_le_bytes(new), step);
             }
             _ => {
                 for ((old, new), at) in old.into_iter().zip(new).zip(at..) {
-                    self.unsettle(at / WORD, u32::from(old ^ new) << (8 * (at % WORD)));
+                    self.unsettle(at / WORD, u32::from(old ^ new) << (8 * (at % WORD)), step);
                 }
             }
         }
@@ -124,17 +134,18 @@ impl Memory {
         self.bytes.copy_within(from..from + count, to);
         self.changes += 1;
         for word in to / WORD..(to + count).div_ceil(WORD) {
-            self.unsettle(word, u32::MAX);
+            self.unsettle(word, u32::MAX, u32::MAX);
         }
     }
 
-    /// Unsettles the steps that have one of these bits among their operands.
-    fn unsettle(&mut self, word: usize, bits: u32) {
+    /// Unsettles the steps that have one of these bits among their operands, except one.
+    fn unsettle(&mut self, word: usize, bits: u32, except: u32) {
         if bits == 0 {
             return;
         }
         for reader in self.readers.of(word) {
             if reader.bits & bits != 0
+                && reader.step != except
                 && let Some(settled) = self.settled.get_mut(reader.step as usize / 64)
             {
                 *settled &= !(1 << (reader.step % 64));
@@ -142,18 +153,24 @@ impl Memory {
         }
     }
 
-    /// A step would change nothing.
-    pub(crate) fn settle(&mut self, step: u32) {
-        if let Some(settled) = self.settled.get_mut(step as usize / 64) {
-            *settled |= 1 << (step % 64);
+    /// A step would change nothing, or nothing but the time of its timer.
+    pub(crate) fn settle(&mut self, step: u32, timing: bool) {
+        let (place, bit) = (step as usize / 64, 1 << (step % 64));
+        if let (Some(settled), Some(word)) = (self.settled.get_mut(place), self.timing.get_mut(place)) {
+            *settled |= bit;
+            *word = if timing { *word | bit } else { *word & !bit };
         }
     }
 
-    /// The number of settled steps from one on, below another.
+    /// The number of settled steps that are not timing from one on, below another.
     pub(crate) fn settled(&self, from: u32, to: u32) -> u32 {
         let mut step = from;
         while step < to {
-            let word = self.settled.get(step as usize / 64).copied().unwrap_or_default();
+            let place = step as usize / 64;
+            let word = match (self.settled.get(place), self.timing.get(place)) {
+                (Some(settled), Some(timing)) => settled & !timing,
+                _ => 0,
+            };
             let ones = (word >> (step % 64)).trailing_ones();
             step += ones;
             if !step.is_multiple_of(64) || ones == 0 {
@@ -161,5 +178,12 @@ impl Memory {
             }
         }
         step.min(to) - from
+    }
+
+    /// A step is settled and timing.
+    pub(crate) fn is_timing(&self, step: u32) -> bool {
+        let (place, bit) = (step as usize / 64, 1 << (step % 64));
+        let has = |words: &[u64]| words.get(place).is_some_and(|word| word & bit != 0);
+        has(&self.timing) && has(&self.settled)
     }
 }

@@ -23,7 +23,7 @@ impl<'s> Scan<'s> {
             let settling = step.filter(|_| statement.settles);
             let changes = self.begin_step(settling);
             self.statement_of_scan(statement)?;
-            self.end_step(settling, changes);
+            self.end_step(settling, changes, None);
             next += 1;
         }
         Ok(())

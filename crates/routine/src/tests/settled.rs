@@ -15,7 +15,7 @@ const TAGS: &str = "B BOOL[64], W BOOL[64], N DINT[8], M DINT[8], S SINT[8], R R
     Record DINT[11], Files CONTROL 4, Search CONTROL 6, Queue CONTROL 5, Steps CONTROL 3, Bits CONTROL 30";
 
 /// Rungs: `#` is a number below 8, `%` one below 64.
-const RUNGS: [&str; 66] = [
+const RUNGS: [&str; 70] = [
     "XIC(B[%])XIO(B[%])OTE(W[%]);",
     "XIC(W[%])OTE(B[%]);",
     "[XIC(B[%]) ,XIO(W[%]) XIC(B[%]) ]OTL(W[%]);",
@@ -28,6 +28,10 @@ const RUNGS: [&str; 66] = [
     "XIC(B[%])TOF(U,?,?);",
     "XIC(B[%])RTO(V,?,?);",
     "XIC(V.TT)XIC(B[%])RES(V);",
+    "XIC(B[%])TON(T,?,?)XIC(T.TT)OTE(W[%]);",
+    "XIC(B[%])TON(T,?,?)GRT(T.ACC,9)OTE(W[%]);",
+    "XIC(B[%])[TON(T,?,?) ,RTO(V,?,?) ]XIO(V.DN)OTE(W[%]);",
+    "XIC(T.TT)MOV(N[#],T.PRE);",
     "XIC(B[%])OTU(T.DN);",
     "XIC(B[%])OTL(U.DN);",
     "XIC(B[%])XIC(B[%])OTU(V.DN);",
@@ -85,7 +89,7 @@ const RUNGS: [&str; 66] = [
 ];
 
 /// Those of them that call no routine and leave none.
-const OTHER: usize = 59;
+const OTHER: usize = 63;
 
 const STATEMENTS: [&str; 12] = [
     "N[#] := M[#] + 1;",
