@@ -31,6 +31,23 @@ fn a_stream_that_is_sent_fast_enough_never_rests() {
     }
 }
 
+/// Plans that come 120 ms late: the pace is lower meanwhile, within all limits. These streams rested without that.
+#[test]
+fn a_late_plan_slows_a_stream_down_before_it_rests() {
+    const LATE: [u64; 4] = [1, 15, 18, 28];
+    let late = Feed {
+        latency: Latency::Seconds(0.12),
+        ..FEED
+    };
+    for seed in seeds(100).chain(LATE) {
+        let wild = Wild::new(seed, MOVES);
+        let mut within = Within::new(&wild, seed);
+        let told = travel(&wild.moves, wild.jerk, late, |_, _, sample| within.look(sample));
+        let rests = (told.starved, told.unplanned);
+        assert!(rests == (0, 0) || !LATE.contains(&seed), "seed {seed}: {wild}");
+    }
+}
+
 /// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream
 /// begins at the position of rest.
 #[test]

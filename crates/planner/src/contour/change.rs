@@ -8,9 +8,10 @@ use super::guard::Extra;
 use super::pace::PaceRequest;
 use super::ramp::StopRequest;
 use super::run::{PlanRequest, RunState, least};
+use super::tuning::{LATE_LEFT_S, LATE_S, WAITING_PACE};
 use super::{ContourQueue, requests};
 use crate::tolerance::SAME_SHARE;
-use crate::{Clock, MasterRate};
+use crate::{Clock, MasterRate, Parameter};
 
 impl<T: Copy> ContourQueue<T> {
     /// Sets the override: a share of the programmed speeds, 0 holds.
@@ -43,8 +44,13 @@ impl<T: Copy> ContourQueue<T> {
         self.change_pace(clock);
     }
 
-    /// Continues the change of the pace if it was not possible at once. Called first in every tick.
+    /// Continues the change of the pace if it was not possible at once, and slows down while an extension is late. Called first in every tick.
     pub fn steer(&mut self, clock: &Clock) {
+        let waits = self.waits_for_extension(clock);
+        if self.run.as_ref().is_some_and(|run| run.waits_for_extension != waits) {
+            self.change_pace(clock);
+            return;
+        }
         if let Some(run) = &mut self.run
             && run.pace.steer(&run.trajectory, clock)
         {
@@ -52,14 +58,32 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
+    /// The plan of an extension is late, and the end of the trajectory is near. A lower pace leaves it more time, so that the motion does not come to
+    /// rest. Only by time: over a master's displacement, the master leads the motion.
+    fn waits_for_extension(&self, clock: &Clock) -> bool {
+        let (Some(PlanRequest::Extension { .. }), Some(run), Some(active)) =
+            (self.asked, &self.run, self.moves.front())
+        else {
+            return false;
+        };
+        let now = run.pace_at(clock).position;
+        let near = LATE_LEFT_S[usize::from(active.limits.jerk.is_some())];
+        run.state == RunState::Travelling
+            && active.parameter == Parameter::TIME
+            && now - run.asked >= LATE_S
+            && run.trajectory.duration() - now <= near
+    }
+
     /// Asks for a pace of at most 1 at which every move is within its speed and rates.
     pub(super) fn change_pace(&mut self, clock: &Clock) {
         let (rate, dynamics_bits) = (self.planned_rate(), self.dynamics_bits);
+        let waits = self.waits_for_extension(clock);
         let Some(run) = self.run.as_mut().filter(|run| run.state == RunState::Travelling) else {
             return;
         };
         let left = run.trajectory.moves() - run.passed;
-        let (mut target, mut stale) = (1.0_f64, false);
+        let (mut target, mut stale) = (if waits { WAITING_PACE } else { 1.0 }, false);
+        run.waits_for_extension = waits;
         for (move_index, motion) in self.moves.iter().take(left).enumerate() {
             let Some(planned) = run.trajectory.rates(run.passed + move_index) else {
                 break;

@@ -286,6 +286,7 @@ impl<T: Copy> ContourQueue<T> {
             rounded: 0.0,
             stale: false,
             stood: false,
+            waits_for_extension: false,
             changed: clock.now(),
             state: RunState::Travelling,
             planning_s: PLANNING_S,

@@ -52,6 +52,8 @@ pub(super) struct RunningTrajectory {
     /// The instant of that change.
     pub(super) changed: Instant,
     pub(super) state: RunState,
+    /// Its pace is lower, as the plan of its extension is late.
+    pub(super) waits_for_extension: bool,
     /// The time reserved for planning an extension, seconds of the trajectory's own time.
     pub(super) planning_s: f64,
     /// The position on it at the last request, seconds of its own time.
