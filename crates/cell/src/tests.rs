@@ -315,6 +315,13 @@ fn with_data(kind: &str, data: &str) -> String {
 fn values_of_every_format_are_first_values() {
     let l5k = |text: &str| format!("<Data Format=\"L5K\"><![CDATA[{text}]]></Data>");
     let part = l5k("[2,-7,[0,500,3],[1.50000000e+000,2.5]]");
+    let decorated = |inside: &str| format!("<Data Format=\"Decorated\">{inside}</Data>");
+    let element = |index: u8, length: u8, text: &str| {
+        format!(
+            "<Element Index=\"[{index}]\"><Structure DataType=\"STRING\"><DataValueMember Name=\"LEN\" DataType=\"DINT\" Value=\"{length}\"/>\
+             <DataValueMember Name=\"DATA\" DataType=\"STRING\"><![CDATA[{text}]]></DataValueMember></Structure></Element>"
+        )
+    };
     #[rustfmt::skip]
     let cases = [
         ("a number",              "DINT",                        l5k("42"),                        vec![("V", 42.0)]),
@@ -337,6 +344,11 @@ fn values_of_every_format_are_first_values() {
         ("texts, in L5K",         "STRING\" Dimensions=\"2",     format!("{}<Data Format=\"String\"><![CDATA['x']]></Data>", l5k("[[1,'x'],[2,'yz']]")), vec![("V[1].LEN", 2.0)]),
         ("a date",                "LINT",                        "<Data Format=\"Decorated\"><DataValue DataType=\"LINT\" Radix=\"Date/Time\" Value=\"DT#2020-01-31-12:00:00.000_001Z\"/></Data>".to_owned(), vec![("V", 1_580_472_000_000_001.0)]),
         ("a date in a zone",      "LINT",                        l5k("LDT#2020-03-01-00:00:00.000_000_000(UTC-05:00)"), vec![("V", 1_583_038_800e9)]),
+        ("texts, one is empty",   "STRING\" Dimensions=\"2",     decorated(&format!("<Array DataType=\"STRING\" Dimensions=\"2\">{}{}</Array>", element(0, 0, ""), element(1, 2, "'ok'"))), vec![("V[0].LEN", 0.0), ("V[1].LEN", 2.0)]),
+        ("a short text",          "STRING_16",                   l5k("[2,'ok']"),                  vec![("V.LEN", 2.0), ("V.DATA[1]", 107.0)]),
+        ("a connection",          "CONNECTION_STATUS",           l5k("[1]"),                       vec![("V.RunMode", 1.0), ("V.ConnectionFaulted", 0.0)]),
+        ("the least number",      "LINT",                        decorated("<DataValue DataType=\"LINT\" Value=\"-9223372036854775808\"/>"), vec![("V", -9_223_372_036_854_775_808.0)]),
+        ("the greatest number",   "ULINT",                       decorated("<DataValue DataType=\"ULINT\" Value=\"18446744073709551615\"/>"), vec![("V", 18_446_744_073_709_551_615.0)]),
         ("no value",              "DINT",                        l5k(" "),                         vec![("V", 0.0)]),
     ];
     for (why, kind, data, expected) in cases {

@@ -67,6 +67,15 @@ impl Source<'_> {
         self.error_at(node.range().start, path(node), problem)
     }
 
+    /// The controller of a file.
+    pub(crate) fn controller<'a>(&self, root: Node<'a, 'a>) -> Result<Node<'a, 'a>, L5xError> {
+        let problem = Problem::Missing {
+            what: "Controller",
+            expected: "the element that holds data types and tags; an export of a module alone has none",
+        };
+        child(root, "Controller").ok_or_else(|| self.error(root, problem))
+    }
+
     /// The error of an attribute that is there but does not do.
     pub(crate) fn wrong(&self, node: Node<'_, '_>, name: &'static str, expected: &'static str) -> L5xError {
         let Some(attribute) = node.attribute_node(name) else {

@@ -12,7 +12,7 @@ use roxmltree::Node;
 use toml::{Table, Value};
 
 use self::types::Types;
-use crate::document::{Source, child, children, parse};
+use crate::document::{Source, children, parse};
 use crate::overlay::{self, PROVIDER};
 use crate::{L5xError, Problem, Reason, Report};
 
@@ -62,13 +62,7 @@ pub fn import(text: &str, file: &str) -> Result<Import, L5xError> {
         controller_names: BTreeSet::new(),
     };
     importer.source.check(root);
-    let Some(controller) = child(root, "Controller") else {
-        let problem = Problem::Missing {
-            what: "Controller",
-            expected: "the element that holds data types and tags",
-        };
-        return Err(importer.source.error(root, problem));
-    };
+    let controller = importer.source.controller(root)?;
     importer.controller(controller)?;
     importer.finish(controller)
 }
@@ -224,5 +218,5 @@ impl<'a, 't> Importer<'a, 't> {
     }
 }
 
-/// The most aliases without a target that the importer leaves out before it gives up.
-const MAX_DEAD_ALIASES: usize = 64;
+/// The most aliases without a target that the importer leaves out before it gives up. Partial exports have many, whose tags they do not have.
+const MAX_DEAD_ALIASES: usize = 1024;

@@ -16,8 +16,8 @@ use arcline_routine::source::{
 use arcline_routine::{Finding, FindingKind};
 use roxmltree::Node;
 
+use crate::L5xError;
 use crate::document::{Source, child, children, parse};
-use crate::{L5xError, Problem};
 
 /// Reads the program of an L5X file. `file` only names the text in errors.
 ///
@@ -27,13 +27,7 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     let text = text.strip_prefix('\u{FEFF}').unwrap_or(text);
     let (source, document) = parse(file, text)?;
     let root = document.root_element();
-    let Some(controller) = child(root, "Controller") else {
-        let problem = Problem::Missing {
-            what: "Controller",
-            expected: "the element that holds data types and tags",
-        };
-        return Err(source.error(root, problem));
-    };
+    let controller = source.controller(root)?;
     let mut project = Project {
         fault_handler: controller
             .attribute("MajorFaultProgram")
@@ -62,6 +56,9 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
         modules::module(node, &mut project);
     }
     for node in lists("Tags", "Tag") {
+        if is_named_only(node, "DataType") {
+            continue;
+        }
         project.tags.push(tag(&source, node)?);
         project.findings.extend(sharing(node));
     }
@@ -162,10 +159,18 @@ fn encoded(source: &Source<'_>, node: Node<'_, '_>) -> Result<InstructionSource,
     Ok(one)
 }
 
+/// A partial export names an element around its target without this attribute, and without its content.
+fn is_named_only(node: Node<'_, '_>, attribute: &str) -> bool {
+    node.attribute("Use") == Some("Reference") && !node.has_attribute(attribute) && !node.has_attribute("AliasFor")
+}
+
 fn routines(source: &Source<'_>, node: Node<'_, '_>) -> Result<Vec<RoutineSource>, L5xError> {
     let mut routines = Vec::new();
     for list in children(node, "Routines") {
         for one in list.children().filter(Node::is_element) {
+            if is_named_only(one, "Type") {
+                continue;
+            }
             let content = if one.tag_name().name() == "EncodedData" {
                 Content::Other("encoded content".to_owned())
             } else {
@@ -273,7 +278,8 @@ fn program(source: &Source<'_>, node: Node<'_, '_>) -> Result<ProgramSource, L5x
             .map(str::to_owned)
     };
     let mut tags = Vec::new();
-    for one in children(node, "Tags").flat_map(|list| children(list, "Tag")) {
+    let listed = children(node, "Tags").flat_map(|list| children(list, "Tag"));
+    for one in listed.filter(|one| !is_named_only(*one, "DataType")) {
         tags.push(tag(source, one)?);
     }
     Ok(ProgramSource {

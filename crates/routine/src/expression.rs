@@ -253,6 +253,12 @@ impl<'t> Parser<'_, 't> {
         self.tokens.get(self.next).map_or_else(last, |token| token.at)
     }
 
+    /// The end of the token before.
+    pub(crate) fn end_before(&self) -> usize {
+        let before = self.next.checked_sub(1).and_then(|before| self.tokens.get(before));
+        before.map_or(0, |token| token.end)
+    }
+
     pub(crate) fn is(&self, symbol: &str) -> bool {
         matches!(self.peek(), TokenKind::Symbol(found) if *found == symbol)
     }

@@ -9,6 +9,8 @@ use crate::SyntaxError;
 pub(crate) struct Token<'t> {
     pub(crate) kind: TokenKind<'t>,
     pub(crate) at: usize,
+    /// Behind its last byte.
+    pub(crate) end: usize,
 }
 
 /// The kind of a token.
@@ -78,6 +80,7 @@ impl<'t> Lexer<'t> {
             return Ok(Token {
                 kind: TokenKind::End,
                 at,
+                end: at,
             });
         };
         let kind = match first {
@@ -98,7 +101,7 @@ impl<'t> Lexer<'t> {
                 TokenKind::Symbol(symbol)
             }
         };
-        Ok(Token { kind, at })
+        Ok(Token { kind, at, end: self.at })
     }
 
     /// Skips blanks, comments and the lines of regions.

@@ -361,8 +361,8 @@ impl<'t> StReader<'_, 't> {
         let mut depth = 0_usize;
         let mut from = self.parser.at();
         loop {
-            let at = self.parser.at();
-            let text = self.text.get(from..at).unwrap_or_default();
+            // Comments around it do not belong to it.
+            let text = self.text.get(from..self.parser.end_before()).unwrap_or_default();
             match self.parser.peek() {
                 TokenKind::End => return Err(self.parser.unexpected(") behind the operands")),
                 TokenKind::Symbol("(" | "[") => depth += 1,

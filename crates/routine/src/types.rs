@@ -357,8 +357,22 @@ fn own() -> Vec<Arc<Template>> {
         .member_at("Path", arcline_tag::string_template(), 0, 228)
         .size(316)
         .build();
+    let text = |name: &str, instance: u16, length: u16| {
+        let builder = TemplateBuilder::new(name, instance).member("LEN", Dint);
+        builder.array("DATA", Sint, length).build()
+    };
+    let connection = TemplateBuilder::new("CONNECTION_STATUS", 0xF99)
+        .member_at("(Status)", Dint, 0, 0)
+        .hide()
+        .bit_at("RunMode", 0, 0)
+        .bit_at("ConnectionFaulted", 0, 1)
+        .size(4)
+        .build();
     vec![
         message,
+        connection,
+        text("STRING_16", 0xF97, 16),
+        text("STRING_32", 0xF98, 32),
         plain(
             "FBD_ONESHOT",
             0xF91,

@@ -81,6 +81,10 @@ impl<'a, 't> Importer<'a, 't> {
         name: &str,
         types: &Types,
     ) -> Result<bool, L5xError> {
+        // A partial export may name a tag alone.
+        if node.attribute("Use") == Some("Reference") && !node.has_attribute("DataType") {
+            return Ok(false);
+        }
         let word = self.source.required(node, "DataType", "the tag's type")?;
         if word.eq_ignore_ascii_case(CONTROL) {
             return Ok(self.control(node, program, name));

@@ -4,7 +4,7 @@
 use arcline_routine::source::Datum;
 use roxmltree::Node;
 
-use super::{dimensions, l5k};
+use super::{dimensions, l5k, text_of};
 use crate::document::{child, children, shortened};
 use crate::text;
 
@@ -79,7 +79,7 @@ fn datum(node: Node<'_, '_>, depth: usize) -> Option<Datum> {
                 .clone()
                 .find(|member| member.attribute("Name") == Some("DATA") && member.attribute("Value").is_none());
             if let Some(text) = text.filter(|member| member.tag_name().name() == "DataValueMember") {
-                return text::string(text.text().unwrap_or_default()).map(Datum::Text);
+                return characters(text).map(Datum::Text);
             }
             let members =
                 members.filter_map(|member| Some((member.attribute("Name")?.to_owned(), datum(member, depth + 1)?)));
@@ -87,9 +87,18 @@ fn datum(node: Node<'_, '_>, depth: usize) -> Option<Datum> {
         }
         "DataValue" | "DataValueMember" => match node.attribute("Value") {
             Some(value) => Some(typed(kind, Datum::Number(value.to_owned()))),
-            None => text::string(node.text().unwrap_or_default()).map(Datum::Text),
+            None => characters(node).map(Datum::Text),
         },
         _ => None,
+    }
+}
+
+/// The characters of a text in quotes; an empty one may have none.
+fn characters(node: Node<'_, '_>) -> Option<Vec<u8>> {
+    let quoted = text_of(node);
+    match quoted.trim() {
+        "" => Some(Vec::new()),
+        quoted => text::string(quoted),
     }
 }
 

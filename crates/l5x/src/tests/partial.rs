@@ -50,6 +50,22 @@ fn an_add_on_instruction_alone_is_called_in_every_scan() {
 }
 
 #[test]
+fn what_an_export_only_names_is_not_in_it() {
+    let inside = ROUTINES.replace(
+        "<Routines Use=\"Context\">",
+        "<Tags Use=\"Context\"><Tag Use=\"Reference\" Name=\"Hmi\"/></Tags><Routines Use=\"Context\">\
+         <Routine Use=\"Reference\" Name=\"Named\"/>",
+    );
+    let text = file("Rung", "Sub", &inside);
+    let project = logic(&text, "part.L5X").expect("it is read");
+    let main = &project.programs[1];
+    assert!(main.tags.is_empty(), "{:?}", main.tags);
+    let names: Vec<_> = main.routines.iter().map(|one| one.name.as_str()).collect();
+    assert_eq!(names, ["Go", "Sub"]);
+    crate::import(&text, "part.L5X").expect("a configuration");
+}
+
+#[test]
 fn the_target_of_a_partial_export_runs() {
     let of_program = ROUTINES.replace("Use=\"Context\" Name=\"Main\"", "Use=\"Target\" Name=\"Main\"");
     let of_routine = ROUTINES.replace("Use=\"Context\" Name=\"Sub\"", "Use=\"Target\" Name=\"Sub\"");

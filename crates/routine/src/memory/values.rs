@@ -248,6 +248,11 @@ fn literal(text: &str) -> Option<(i64, f64)> {
     if text.eq_ignore_ascii_case("false") {
         return Some((0, 0.0));
     }
+    // All of 64 bits, signed or not.
+    if let Ok(whole) = text.parse::<i128>() {
+        let bits = i64::try_from(whole).or_else(|_| u64::try_from(whole).map(u64::cast_signed));
+        return bits.ok().map(|bits| (bits, whole as f64));
+    }
     let upper = text.to_ascii_uppercase();
     if let Some(date) = upper.strip_prefix("LDT#") {
         return date_time(date, 1_000_000_000).map(|whole| (whole, whole as f64));

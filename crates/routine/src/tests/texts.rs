@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use crate::rll::{Element, Instruction, Operand};
+use crate::st::StatementKind;
 use crate::{Expression, Rung, Text};
 
 #[test]
@@ -23,6 +24,17 @@ fn rungs_print_as_they_were() {
         assert_eq!(plain(&printed), plain(text));
         assert_eq!(Rung::parse(&printed).expect("printed").to_string(), printed);
     }
+}
+
+#[test]
+fn comments_around_the_operands_of_a_call_do_not_belong_to_them() {
+    let text = "MAS(X, M /* control */, // what stops\n All, No // no change\n, (*rate*) 10.0 (*of*), % of Maximum // units\n);";
+    let read = Text::parse(text).expect("a call");
+    let StatementKind::Call(_, operands) = &read.statements[0].kind else {
+        panic!("{:?}", read.statements);
+    };
+    let texts: Vec<&str> = operands.iter().map(|one| one.text.as_str()).collect();
+    assert_eq!(texts, ["X", "M", "All", "No", "10.0", "% of Maximum"]);
 }
 
 #[test]
