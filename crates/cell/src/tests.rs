@@ -420,11 +420,12 @@ fn the_task_of_a_home_event_runs_with_each_homing() {
 #[test]
 fn an_ssv_of_homing_counts_from_the_next_mah() {
     let tags = "<Tag Name=\"Place\" TagType=\"Base\" DataType=\"REAL\" ExternalAccess=\"Read/Write\"/>\
-                <Tag Name=\"H\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" ExternalAccess=\"Read/Write\"/>";
+                <Tag Name=\"H\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" ExternalAccess=\"Read/Write\"/>\
+                <Tag Name=\"Feed\" TagType=\"Alias\" AliasFor=\"X\"/>";
     let rungs = [
-        "SSV(Axis,X,HomePosition,Place);",
+        "SSV(Axis,Feed,HomePosition,Place);",
         "XIC(Start)MAH(X,H);",
-        "GSV(Axis,X,HomePosition,Target);",
+        "GSV(AXIS,feed,HomePosition,Target);",
     ];
     let mut cell = begun(&with(tags, &rungs));
     for place in [12.5, -3.0] {

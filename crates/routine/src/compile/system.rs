@@ -140,7 +140,8 @@ impl Compiler<'_> {
             "coordinatesystem" => Object::CoordinateSystem,
             _ => Object::MotionGroup,
         };
-        let index = self.directory.object(object, instance)?;
+        let name = self.name_of_object(instance);
+        let index = self.directory.object(object, &name)?;
         if let Some((number, _)) = self.directory.attribute(object, index, attribute) {
             return Some(Attribute::Host(number));
         }
@@ -159,5 +160,13 @@ impl Compiler<'_> {
             }
             _ => None,
         }
+    }
+
+    /// The name of a motion object, for which an alias may stand.
+    fn name_of_object(&mut self, instance: &str) -> String {
+        let place = self.area_of(instance).map(|area| area.place);
+        let of_controller = place.ok().filter(|place| place.base == 0 && place.index.is_empty());
+        let tag = of_controller.and_then(|place| self.tags.list.iter().find(|tag| tag.at == place.at));
+        tag.map_or_else(|| instance.to_owned(), |tag| tag.name.clone())
     }
 }
