@@ -5,6 +5,7 @@ use arcline_tag::{DataType, Elementary};
 use super::Wrong;
 use crate::code::{Area, Argument, Status, TextPart};
 use crate::table::Op;
+use crate::types::text_layout;
 
 /// Whether the scan has an effect for these operands of an instruction.
 pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
@@ -46,7 +47,7 @@ pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
 /// Whether a value that a call gives has a place in a tag that takes it.
 pub(crate) fn transfers(from: &Argument, to: &Argument) -> Result<(), Wrong> {
     let fits = match (from, to) {
-        (Argument::Area(from), Argument::Area(to)) => are_alike(from, to),
+        (Argument::Area(from), Argument::Area(to)) => are_alike(from, to) || is_shorter_text(from, to),
         (Argument::Area(_) | Argument::Text(_), _) | (_, Argument::Area(_) | Argument::Text(_)) => false,
         _ => true,
     };
@@ -99,6 +100,13 @@ fn are_alike(one: &Area, other: &Area) -> bool {
         (DataType::Elementary(_), DataType::Elementary(_)) => true,
         (one, other) => one.name().eq_ignore_ascii_case(other.name()),
     }
+}
+
+/// Both are texts, and the one has room in the other.
+fn is_shorter_text(one: &Area, other: &Area) -> bool {
+    let capacity = |area: &Area| text_layout(&area.data_type).filter(|_| !area.is_whole);
+    let layouts = capacity(one).zip(capacity(other));
+    layouts.is_some_and(|((_, one), (_, other))| one <= other)
 }
 
 fn is_word_of_bits(area: &Area) -> bool {

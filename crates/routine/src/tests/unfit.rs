@@ -5,7 +5,7 @@ use crate::load;
 use crate::source::{MemberSource, Project, TypeSource};
 
 const TAGS: &str = "B BOOL[64], C BOOL[64], D DINT[4], N DINT, I DINT, L SINT, R REAL, P Part[2], Q Part, F BOOL, \
-     T TIMER, U TIMER[3], W CONTROL 4, S STRING, V STRING[3], X INT[8]";
+     T TIMER, U TIMER[3], W CONTROL 4, S STRING, H STRING_16, V STRING[3], X INT[8]";
 
 fn with(rung: &str) -> Project {
     let mut of = project(
@@ -14,6 +14,7 @@ fn with(rung: &str) -> Project {
             ("Main", rung),
             ("Sub", "SBR(N)RET(N);"),
             ("Whole", "SBR(T)RET(T);"),
+            ("Text", "RET(H);"),
             ("None", "NOP();"),
         ],
     );
@@ -56,6 +57,11 @@ fn an_element_of_an_array_of_bools_begins_a_word() {
     for (why, rung, lines) in cases {
         script(why, &with(&rung), lines);
     }
+}
+
+#[test]
+fn a_routine_returns_a_shorter_text() {
+    script("a text", &with("MOV('ab',H)JSR(Text,0,S);"), ":S.LEN=2;S.DATA[1]=98");
 }
 
 #[test]
