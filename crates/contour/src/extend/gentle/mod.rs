@@ -3,7 +3,7 @@
 //!
 //! The speed curve is the programmed path with every corner rounded evenly. When the continuation leaves the running motion, its offset from
 //! the speed curve fades out in position, velocity and acceleration. For dense chords the speed curve is the smooth curve that continues the
-//! running motion, without an offset.
+//! running motion, without an offset. A stream of S-curves may begin with a motion from rest along a speed curve.
 
 mod fade;
 mod smoothed;
