@@ -7,7 +7,7 @@ mod parameters;
 mod partial;
 mod unsupported;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use arcline_routine::source::{
     Access, Content, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
@@ -168,10 +168,9 @@ fn routines(source: &Source<'_>, node: Node<'_, '_>) -> Result<Vec<RoutineSource
     let mut routines = Vec::new();
     for list in children(node, "Routines") {
         for one in list.children().filter(Node::is_element) {
-            if is_named_only(one, "Type") {
-                continue;
-            }
-            let content = if one.tag_name().name() == "EncodedData" {
+            let content = if is_named_only(one, "Type") {
+                Content::Other(LACKING.to_owned())
+            } else if one.tag_name().name() == "EncodedData" {
                 Content::Other("encoded content".to_owned())
             } else {
                 content(one)
@@ -184,6 +183,31 @@ fn routines(source: &Source<'_>, node: Node<'_, '_>) -> Result<Vec<RoutineSource
     }
     Ok(routines)
 }
+
+/// Leaves out the routines that an export only names and nothing in it calls.
+fn without_uncalled(mut routines: Vec<RoutineSource>) -> Vec<RoutineSource> {
+    let is_lacking = |one: &RoutineSource| one.content == Content::Other(LACKING.to_owned());
+    if routines.iter().any(is_lacking) {
+        let words: BTreeSet<String> = routines.iter().flat_map(words).collect();
+        routines.retain(|one| !is_lacking(one) || words.contains(&one.name.to_ascii_lowercase()));
+    }
+    routines
+}
+
+/// The words in the text of a routine, in lower case.
+fn words(routine: &RoutineSource) -> Vec<String> {
+    let texts: Vec<&str> = match &routine.content {
+        Content::Ladder(rungs) => rungs.iter().map(|rung| rung.text.as_str()).collect(),
+        Content::Text(lines) => lines.iter().map(|(_, line)| line.as_str()).collect(),
+        Content::Other(_) => Vec::new(),
+    };
+    let is_between = |c: char| !(c.is_ascii_alphanumeric() || c == '_');
+    let words = texts.into_iter().flat_map(|text| text.split(is_between));
+    words.map(str::to_ascii_lowercase).collect()
+}
+
+/// The content of a routine that an export only names.
+const LACKING: &str = "content that the export lacks";
 
 fn content(node: Node<'_, '_>) -> Content {
     let number = |node: Node<'_, '_>| {
@@ -288,7 +312,7 @@ fn program(source: &Source<'_>, node: Node<'_, '_>) -> Result<ProgramSource, L5x
         fault: word("FaultRoutineName"),
         is_disabled: flag(node, "Disabled"),
         tags,
-        routines: routines(source, node)?,
+        routines: without_uncalled(routines(source, node)?),
     })
 }
 

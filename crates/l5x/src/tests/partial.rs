@@ -54,14 +54,15 @@ fn what_an_export_only_names_is_not_in_it() {
     let inside = ROUTINES.replace(
         "<Routines Use=\"Context\">",
         "<Tags Use=\"Context\"><Tag Use=\"Reference\" Name=\"Hmi\"/></Tags><Routines Use=\"Context\">\
-         <Routine Use=\"Reference\" Name=\"Named\"/>",
+         <Routine Use=\"Reference\" Name=\"Named\"/><Routine Use=\"Reference\" Name=\"Called\"/>",
     );
+    let inside = inside.replace("NOP();", "JSR(called,0);");
     let text = file("Rung", "Sub", &inside);
     let project = logic(&text, "part.L5X").expect("it is read");
     let main = &project.programs[1];
     assert!(main.tags.is_empty(), "{:?}", main.tags);
     let names: Vec<_> = main.routines.iter().map(|one| one.name.as_str()).collect();
-    assert_eq!(names, ["Go", "Sub"]);
+    assert_eq!(names, ["Called", "Go", "Sub"]);
     crate::import(&text, "part.L5X").expect("a configuration");
 }
 
