@@ -10,7 +10,7 @@ pub struct Word {
     pub value: i32,
     /// As a faceplate shows it.
     pub title: &'static str,
-    /// Further spellings.
+    /// Further spellings, as words are compared.
     pub keywords: &'static [&'static str],
 }
 
@@ -384,6 +384,7 @@ mod tests {
                     word.title
                 );
                 for keyword in word.keywords {
+                    assert!(compared(keyword).eq(keyword.chars()), "{}: {keyword}", words.name);
                     assert_eq!(words.parse_word(keyword), Some(word.value), "{}: {keyword}", words.name);
                 }
                 assert_eq!(words.contains(word.value), words.words.contains(word), "{}", words.name);
