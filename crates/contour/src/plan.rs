@@ -138,12 +138,10 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: Plann
         return rest;
     }
     for quality in qualities(moves, planning_time).chain([Quality::TimingOnly]) {
-        let is_last = quality == Quality::TimingOnly && planning_time == PlanningTime::Streaming;
-        if let Some(begun) = is_last.then(|| begun_gently(moves, limits)).flatten() {
-            return begun;
-        }
         let section = Section::new(moves, limits, SectionStart::Rest, quality);
-        if let Some(trajectory) = section.plan(planning_time) {
+        let begins = quality == Quality::TimingOnly && planning_time == PlanningTime::Streaming && !is_dense(moves);
+        let begun = begins.then(|| begun_gently(&section)).flatten();
+        if let Some(trajectory) = begun.or_else(|| section.plan(planning_time)) {
             return trajectory;
         }
     }
@@ -158,13 +156,12 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: Plann
 }
 
 /// The first S-curves of a stream on evenly rounded corners, within all limits from their first guess on: found sooner than from a guess without
-/// limits of the jerk. `None` for trapezoids, which need no such guess, and for dense chords, whose corners are too many.
-fn begun_gently(moves: &[ContourMove], limits: &AxisLimits) -> Option<Trajectory> {
-    let section = Section::new(moves, limits, SectionStart::Rest, Quality::TimingOnly);
-    if section.smoothness == Smoothness::Trapezoid || is_dense(moves) {
-        return None;
+/// limits of the jerk. `None` for trapezoids, which need no such guess. Dense chords have too many corners for it.
+fn begun_gently(section: &Section<'_>) -> Option<Trajectory> {
+    match section.smoothness {
+        Smoothness::Trapezoid => None,
+        Smoothness::SCurve => section.hasten_to_begin(gentle_from_rest(section)?),
     }
-    section.hasten_to_begin(gentle_from_rest(&section)?)
 }
 
 /// The order of the plans of a section, before the stops at every joint: dense chords as a smooth curve first.
