@@ -190,6 +190,11 @@ pub(crate) fn shortened(text: &str) -> String {
     clean.take(60).collect()
 }
 
+/// A partial export names an element around its target without this attribute, and without its content.
+pub(crate) fn is_named_only(node: Node<'_, '_>, attribute: &str) -> bool {
+    node.attribute("Use") == Some("Reference") && !node.has_attribute(attribute) && !node.has_attribute("AliasFor")
+}
+
 /// The elements with that name in a node.
 pub(crate) fn children<'a, 't>(
     node: Node<'a, 't>,

@@ -17,7 +17,7 @@ use arcline_routine::{Finding, FindingKind};
 use roxmltree::Node;
 
 use crate::L5xError;
-use crate::document::{Source, child, children, parse};
+use crate::document::{Source, child, children, is_named_only, parse};
 
 /// Reads the program of an L5X file. `file` only names the text in errors.
 ///
@@ -157,11 +157,6 @@ fn encoded(source: &Source<'_>, node: Node<'_, '_>) -> Result<InstructionSource,
     let mut one = instruction(source, node)?;
     one.is_encoded = true;
     Ok(one)
-}
-
-/// A partial export names an element around its target without this attribute, and without its content.
-fn is_named_only(node: Node<'_, '_>, attribute: &str) -> bool {
-    node.attribute("Use") == Some("Reference") && !node.has_attribute(attribute) && !node.has_attribute("AliasFor")
 }
 
 fn routines(source: &Source<'_>, node: Node<'_, '_>) -> Result<Vec<RoutineSource>, L5xError> {

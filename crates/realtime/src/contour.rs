@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use arcline_controller::machine::{Corner, LimitPolicy, Machine};
+use arcline_controller::machine::{CoordinateSystem, Machine};
 use arcline_controller::{ContourRequest, PlannedContour, Trajectory};
 
 /// Requests under way at once.
@@ -38,10 +38,7 @@ pub struct Planning {
 
 /// Both ends, if the machine has a coordinate system with planned contours.
 pub(crate) fn link(machine: &Machine) -> Option<(Contours, Planning)> {
-    let plans = |system: &arcline_controller::machine::CoordinateSystem| {
-        system.corner == Corner::Precise || system.axis_limits == LimitPolicy::Enforce
-    };
-    if !machine.systems.iter().any(plans) {
+    if !machine.systems.iter().any(CoordinateSystem::plans_contours) {
         return None;
     }
     let (mut free, empty) = rtrb::RingBuffer::new(REQUESTS);

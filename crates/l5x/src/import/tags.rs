@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use super::Importer;
 use super::motion::is_motion;
 use super::types::Types;
-use crate::document::children;
+use crate::document::{children, is_named_only};
 use crate::{L5xError, Reason};
 
 /// A `Tags` element and the program it belongs to.
@@ -81,8 +81,7 @@ impl<'a, 't> Importer<'a, 't> {
         name: &str,
         types: &Types,
     ) -> Result<bool, L5xError> {
-        // A partial export may name a tag alone.
-        if node.attribute("Use") == Some("Reference") && !node.has_attribute("DataType") {
+        if is_named_only(node, "DataType") {
             return Ok(false);
         }
         let word = self.source.required(node, "DataType", "the tag's type")?;
