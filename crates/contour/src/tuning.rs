@@ -334,7 +334,7 @@ constants! {
         /// and those of an attempt along a smooth curve, which is smoothed twice. More leave fewer attempts to a search, fewer let it take longer than its
         /// share. Counted after the attempt and only if it came to its optimisation, attempts took up to seven times their share.
         attempt_each: u64 = 25,
-        smooth_attempt_each: u64 = 50,
+        smooth_attempt_each: u64 = 70,
         /// Visits that one of timing and shape together is worth.
         /// 3: such searches took two to four times their share.
         together_each: u64 = 6,

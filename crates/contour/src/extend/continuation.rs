@@ -120,6 +120,7 @@ impl Continuation<'_> {
             let splice = first.max(before(running, leave));
             self.then(splice, leave, Quality::Smooth, |section, followed, _| {
                 let control = gentle_and_smooth(&section, followed, shares, budget)?;
+                budget.begin_smooth(control.points.len());
                 hastened(&section, control, mend, budget)
             })
         })

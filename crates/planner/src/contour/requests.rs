@@ -339,14 +339,13 @@ impl<T: Copy> ContourQueue<T> {
                 Ok(InstalledPlan::Extended(old))
             }
             late => {
-                // A late plan doubles the time for the next one. A failed plan is retried later.
-                let longer = if late.is_some() {
-                    2.0 * run.planning_s
-                } else {
-                    PLANNING_S
+                // A late plan doubles the time for the next one, which is planned at once. A failed plan is retried later.
+                let (longer, share) = match (&late, pace) {
+                    (Some(_), _) => (2.0 * run.planning_s, 0.0),
+                    (None, Some(_)) => (PLANNING_S, RETRY_ANEW_SHARE),
+                    (None, None) => (PLANNING_S, RETRY_SHARE),
                 };
                 run.planning_s = longer.max(took).min(MOST_PLANNING_S);
-                let share = if pace.is_some() { RETRY_ANEW_SHARE } else { RETRY_SHARE };
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
             }
