@@ -29,7 +29,7 @@ mod tuning;
 
 pub use arcline_geometry::{Path, Point};
 pub use extend::replan::replan;
-pub use extend::{ExtensionRequest, extend};
+pub use extend::{ExtensionRequest, extend, extend_slowed};
 pub use limits::{AxisLimits, Rates};
 pub use plan::{begin, plan};
 pub use trajectory::{AxesState, Peaks, Piece, Trajectory};

@@ -357,18 +357,14 @@ constants! {
         /// At first, timing and shape together alone keep the speed constant along few chords (half of it: a circle of 120 slowed down twice at its end),
         /// but what comes behind them needs time as well (more: of 22 random extensions 6 were not found).
         together: f64 = 0.6,
-        smooth_sooner: f64 = 0.06,
         gentle: f64 = 0.07,
         gentle_alone: f64 = 0.15,
         gentle_sooner: f64 = 0.07,
         /// A gentle plan of few moves, after all others. With it and the slower warm start one of 1,060 extensions of the random streams was not found, not 9;
         /// their motion with S-curves is 0.8 % shorter.
         gentle_and_few: f64 = 0.2,
-        /// Rest of the running motion, seconds, below which no slower warm start is tried: the searches after it need the time. With 0 one of 257 streams rested
-        /// whose plans were 20 ms late, not none.
-        slow_least_rest_s: f64 = 0.25,
         /// The last one may take most of what is left, and this number of seconds in any case: nothing is planned after it.
-        last: f64 = 0.5,
+        last: f64 = 0.25,
         least_last_s: f64 = 0.05,
         /// The share of its time that a gentle search takes until it finds a plan, about.
         gentle_takes: f64 = 0.5,
@@ -597,8 +593,6 @@ constants! {
         begin_shares: [f64; 2] = [0.5, 0.8],
         /// The same shares along the smooth curve of dense chords. Not measured.
         smooth_shares: [[f64; 2]; 4] = [[0.2, 0.7], [0.3, 0.8], [0.5, 0.8], [0.8, 0.85]],
-        /// The same for a warm start that is slower, and so more often within the limits at once; in place of those above: motion 0.8 % longer.
-        slow_shares: [[f64; 2]; 4] = [[0.3, 0.4], [0.5, 0.4], [0.8, 0.4], [0.9, 0.4]],
         /// Share of the permitted speed of a stretch at which a running motion may enter it.
         /// Above it the change of the curvature at the entry needs more than the limits; below it the motion slows down without need. Not measured.
         entry_share: f64 = 0.95,
@@ -622,6 +616,9 @@ constants! {
         /// Longer fades more gently and reaches into further corners; a smaller factor finds a shorter time in more trials. Not measured.
         fade_s: [f64; 2] = [0.004, 0.1],
         fade_factor: f64 = 1.3,
+        /// Most nodes of a continuation: with more it is very slow, and only to hasten it takes long. Without a bound, one of 100,000 moves took 4 s for 10 s
+        /// of motion.
+        most_nodes: usize = 8000,
         /// Ratio of the speeds of a smooth curve within one part, and the least number of nodes of a part.
         /// More makes longer parts with one speed, which is that of their slowest place; fewer nodes make more parts. Not measured.
         alike: f64 = 1.25,
@@ -687,11 +684,5 @@ constants! {
         /// For a short rest of the running motion ([`Extend::short_s`] has the experiment): a splice at a slower instant succeeds more often than a slower
         /// motion only. Of 13 extensions of `fine` that were not found at once, 11 were from an instant 40 ms later, and none by slowing down more.
         short: [Attempt; 6] = [ATTEMPTS[0], ATTEMPTS[3], ATTEMPTS[1], ATTEMPTS[2], ATTEMPTS[4], ATTEMPTS[5]],
-        /// Long before the braking, where the motion is another one: an extension that is not found from near the end is never found there.
-        sooner: [Attempt; 3] = [
-            attempt(-0.15, 1.0, SlowDown::Outside, false),
-            attempt(-0.4, 1.0, SlowDown::Outside, false),
-            attempt(-0.8, 1.0, SlowDown::Outside, false),
-        ],
     }
 }

@@ -28,7 +28,7 @@ use arcline_profile::{DynamicsBits, Limits};
 
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Clock, Instant, Move, QueueFull, Sample};
-pub use requests::{ContourBatch, Extension, InstalledPlan};
+pub use requests::{Continues, ContourBatch, Extension, InstalledPlan};
 pub use rests::ContourRests;
 use run::{PlanRequest, RunState, RunningTrajectory};
 pub use stopping::ContourStopping;

@@ -36,7 +36,9 @@ mod tolerance;
 mod travel;
 
 pub use clock::{Clock, Instant, MasterMotion, MasterRate, TimeBase};
-pub use contour::{ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, InstalledPlan};
+pub use contour::{
+    Continues, ContourBatch, ContourEvent, ContourQueue, ContourRests, ContourStopping, Extension, InstalledPlan,
+};
 pub use course::Course;
 pub use junction::Ending;
 pub use move_event::{EventTime, MoveEvent};

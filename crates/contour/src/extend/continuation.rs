@@ -1,5 +1,7 @@
 //! A section that is planned from an instant of a running trajectory. Position units and seconds.
 
+use std::ops::Range;
+
 use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
 use crate::extend::warm_start::{Running, warm_start};
@@ -67,11 +69,16 @@ impl Continuation<'_> {
         found.ok_or(missed)
     }
 
-    /// The same on evenly rounded corners, from `first` on, from a warm start within all limits. `brakes`: the instant at which the running
-    /// motion begins to slow down for its end.
-    pub(crate) fn plan_gently(&self, first: f64, brakes: f64, budget: &mut Budget) -> Option<Trajectory> {
+    /// The same on evenly rounded corners, from a warm start within all limits that leaves the running motion within an interval.
+    pub(crate) fn plan_gently(
+        &self,
+        Range {
+            start: first,
+            end: until,
+        }: Range<f64>,
+        budget: &mut Budget,
+    ) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
-        let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
         let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
             let speed_curve = SpeedCurve::new(&section);
@@ -103,14 +110,13 @@ impl Continuation<'_> {
     /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
     pub(crate) fn plan_gently_and_smooth(
         &self,
-        earliest: f64,
-        brakes: f64,
-        shares: &[[f64; 2]],
+        Range {
+            start: first,
+            end: until,
+        }: Range<f64>,
         budget: &mut Budget,
     ) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
-        let until = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
-        let first = earliest.max(brakes - TUNING.gentle.before_s);
         let mut instants: Vec<(f64, f64)> = leaves(running, first, until)
             .map(|leave| (in_use(&running.at(leave), limits), leave))
             .collect();
@@ -119,7 +125,7 @@ impl Continuation<'_> {
         first_within(&instants, budget, |&(_, leave), mend, budget| {
             let splice = first.max(before(running, leave));
             self.then(splice, leave, Quality::Smooth, |section, followed, _| {
-                let control = gentle_and_smooth(&section, followed, shares, budget)?;
+                let control = gentle_and_smooth(&section, followed, budget)?;
                 budget.begin_smooth(control.points.len());
                 hastened(&section, control, mend, budget)
             })

@@ -49,6 +49,19 @@ pub struct ExtensionRequest<'a> {
 /// was found; then the running trajectory continues to its end at rest, which is always safe.
 #[must_use]
 pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
+    extend_at(request, 1.0)
+}
+
+/// The same for a trajectory that runs at a constant, low `pace`: it needs so little of its limits that an extension is nearly always found. The result
+/// has real time: own seconds divided by the pace, as has the request.
+#[must_use]
+pub fn extend_slowed(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
+    let running = &request.running.at_pace(pace);
+    extend_at(&ExtensionRequest { running, ..*request }, pace)
+}
+
+/// `pace`: that of the trajectory, as a share of the planned one.
+fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     let &ExtensionRequest {
         running,
         passed,
@@ -63,7 +76,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         .checked_sub(1)
         .and_then(|last| running.move_end(last))
         .unwrap_or(0.0);
-    let each = (running.duration() - begins) / old as f64;
+    let each = pace * (running.duration() - begins) / old as f64;
     // The first extension of a new trajectory is short: the trajectory must not end meanwhile.
     let ahead = (running.duration() - now).clamp(TUNING.extend.least_s, TUNING.extend.most_s);
     let most = ((ahead / each) as usize).max(TUNING.extend.least_moves);
@@ -74,6 +87,7 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     // The section of the end begins after the last stop.
     let Range { start: begin, end } = between_stops(moves, old);
     let left = running.duration() - now;
+    let is_slowed = pace < 1.0;
     // The estimated time of the searches before.
     let spent = Cell::new(0.0);
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
@@ -96,12 +110,10 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
         // What is found from a warm start outside of the limits is found soon, but the optimisation of a gentle plan takes its time.
         let takes = match search {
             Search::Attempts(..) => 0.0,
-            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth(_) => {
-                TUNING.patience.gentle_takes * seconds
-            }
+            Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth => TUNING.patience.gentle_takes * seconds,
         };
         let earliest = earliest + spent.get() + takes;
-        let found = extended(&continuation, old, earliest, search, &mut budget);
+        let found = extended(&continuation, old, earliest, (search, is_slowed), &mut budget);
         spent.set(spent.get() + budget.seconds());
         found
     };
@@ -114,7 +126,6 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     let plan = |search, share, patience| plan_for(search, share, patience, 0.0);
     let last = |search, share| plan_for(search, share, patience.last, patience.least_last_s);
     let smooth = Search::Attempts(Quality::Smooth, attempts);
-    let gentle_and_smooth = Search::GentleAndSmooth(&TUNING.gentle.smooth_shares);
     let arcs = moves[begin..end]
         .iter()
         .filter(|one| matches!(one.path, Path::Arc(_)))
@@ -122,28 +133,31 @@ pub fn extend(request: &ExtensionRequest<'_>) -> Option<Trajectory> {
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let sooner = || plan(Search::GentleSooner, TUNING.gentle.sooner_share, patience.gentle_sooner);
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
-        plan(smooth, 1.0, patience_of_smooth)
-            .or_else(|| plan(gentle_and_smooth, 1.0, patience.gentle_and_smooth))
+        // From a low pace, what is found soonest is found.
+        is_slowed
+            .then(|| {
+                plan(Search::GentleAndSmooth, TUNING.extend.less_share, patience.smooth)
+                    .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
+            })
+            .flatten()
+            .or_else(|| plan(smooth, 1.0, patience_of_smooth))
+            .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
-            // In a short rest, the searches behind it need the time.
-            .or_else(|| {
-                let search = Search::GentleAndSmooth(&TUNING.gentle.slow_shares);
-                let is_long = left >= patience.slow_least_rest_s;
-                is_long.then(|| plan(search, 1.0, patience.gentle_and_smooth)).flatten()
-            })
-            .or_else(|| {
-                let search = Search::Attempts(Quality::Smooth, &TUNING.attempts.sooner);
-                plan(search, 1.0, patience.smooth_sooner)
-            })
             // A smooth curve cannot be left for evenly rounded corners in its course.
             .or_else(sooner)
-            .or_else(|| plan(gentle_and_smooth, TUNING.extend.less_share, patience.gentle_and_few))
+            .or_else(|| {
+                plan(
+                    Search::GentleAndSmooth,
+                    TUNING.extend.less_share,
+                    patience.gentle_and_few,
+                )
+            })
             .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let first = &TUNING.attempts.usual[..1];
-        let together = (arcs == 0 && is_ample)
+        let together = (arcs == 0 && is_ample && !is_slowed)
             .then(|| plan(Search::Attempts(Quality::Full, first), 1.0, patience.together))
             .flatten();
         together
@@ -161,7 +175,7 @@ fn extended(
     continuation: &Continuation<'_>,
     old: usize,
     earliest: f64,
-    search: Search<'_>,
+    (search, is_slowed): (Search<'_>, bool),
     budget: &mut Budget,
 ) -> Option<Trajectory> {
     let &Continuation {
@@ -190,15 +204,17 @@ fn extended(
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     let soonest = earliest.max(stop.map_or(0.0, after_stop));
+    let brakes = brakes_from(running);
+    let last_leave = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
+    // A low pace need not be kept until the end.
+    let leaves = match search {
+        _ if is_slowed => soonest..soonest + TUNING.gentle.before_s,
+        Search::GentleSooner => soonest..last_leave,
+        _ => soonest.max(brakes - TUNING.gentle.before_s)..last_leave,
+    };
     let attempts = match search {
-        Search::Gentle => {
-            let brakes = brakes_from(running);
-            return continuation.plan_gently(soonest.max(brakes - TUNING.gentle.before_s), brakes, budget);
-        }
-        Search::GentleSooner => return continuation.plan_gently(soonest, brakes_from(running), budget),
-        Search::GentleAndSmooth(shares) => {
-            return continuation.plan_gently_and_smooth(soonest, brakes_from(running), shares, budget);
-        }
+        Search::Gentle | Search::GentleSooner => return continuation.plan_gently(leaves, budget),
+        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(leaves, budget),
         Search::Attempts(_, attempts) => attempts,
     };
     // A search that fails from one instant of the running motion may succeed from a later one.

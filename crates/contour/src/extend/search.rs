@@ -12,8 +12,8 @@ pub(crate) enum Search<'a> {
     Gentle,
     /// As `Gentle`, also from instants long before the running motion brakes for its end.
     GentleSooner,
-    /// Within all limits from the warm start on, along the smooth curve of dense chords, at these shares of the possible rates and speeds.
-    GentleAndSmooth(&'a [[f64; 2]]),
+    /// Within all limits from the warm start on, along the smooth curve of dense chords.
+    GentleAndSmooth,
 }
 
 impl Search<'_> {
@@ -21,7 +21,7 @@ impl Search<'_> {
         match self {
             Search::Attempts(quality, _) => quality,
             Search::Gentle | Search::GentleSooner => Quality::TimingOnly,
-            Search::GentleAndSmooth(_) => Quality::Smooth,
+            Search::GentleAndSmooth => Quality::Smooth,
         }
     }
 }

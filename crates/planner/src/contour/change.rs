@@ -58,19 +58,18 @@ impl<T: Copy> ContourQueue<T> {
         }
     }
 
-    /// The plan of an extension is late, and the end of the trajectory is near. A lower pace leaves it more time, so that the motion does not come to
-    /// rest. Only by time: over a master's displacement, the master leads the motion.
+    /// The plan of an extension is late or was not found, and the end of the trajectory is near. A lower pace leaves more time for it, so that the motion
+    /// does not come to rest. Only by time: over a master's displacement, the master leads the motion.
     fn waits_for_extension(&self, clock: &Clock) -> bool {
-        let (Some(PlanRequest::Extension { .. }), Some(run), Some(active)) =
-            (self.asked, &self.run, self.moves.front())
-        else {
+        let (Some(run), Some(active)) = (&self.run, self.moves.front()) else {
             return false;
         };
         let now = run.pace_at(clock).position;
         let near = LATE_LEFT_S[usize::from(active.limits.jerk.is_some())];
+        let is_late = matches!(self.asked, Some(PlanRequest::Extension { .. })) && now - run.asked >= LATE_S;
         run.state == RunState::Travelling
             && active.parameter == Parameter::TIME
-            && now - run.asked >= LATE_S
+            && (is_late || run.failed)
             && run.trajectory.duration() - now <= near
     }
 

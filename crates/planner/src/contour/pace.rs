@@ -121,6 +121,11 @@ impl Pace {
         self.ramp.end_pace() == self.wanted.target && self.start.elapsed(clock) >= self.ramp.duration()
     }
 
+    /// A ramp to the requested pace is active, or over.
+    pub(super) fn is_under_way(&self) -> bool {
+        self.under_way != NONE && self.ramp.end_pace() == self.wanted.target
+    }
+
     /// Requests a pace, from the present tick on.
     pub(super) fn ask(&mut self, wanted: PaceRequest, trajectory: &Trajectory, clock: &Clock) {
         self.wanted = wanted;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use arcline_contour::{AxisLimits, ContourMove, ExtensionRequest, Rates, Trajectory, extend, replan};
+use arcline_contour::{AxisLimits, ContourMove, ExtensionRequest, Rates, Trajectory, extend, extend_slowed, replan};
 use arcline_profile::stop_distance;
 
 use super::ContourQueue;
@@ -13,7 +13,7 @@ use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
     AMPLE_S, ENOUGH_MOVES, ENOUGH_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S,
     LEAST_PACE_SHARE, LONG_MOVE_S, LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN,
-    PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S,
+    PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S, WAITING_PACE,
 };
 use crate::{Clock, Ending, Move};
 
@@ -37,8 +37,29 @@ pub struct Extension {
     pub now: f64,
     /// The instant until which it must stay unchanged, seconds of its own time.
     pub earliest: f64,
-    /// Its pace, if its rest is to be planned anew ([`arcline_contour::replan`]).
-    pub anew: Option<f64>,
+    /// What the plan continues.
+    pub continues: Continues,
+}
+
+/// What the plan of an extension continues.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Continues {
+    /// The trajectory as it is planned ([`arcline_contour::extend`]).
+    AsPlanned,
+    /// The trajectory at a constant pace, which waits for an extension ([`arcline_contour::extend_slowed`]).
+    Slowed(f64),
+    /// The trajectory at a constant pace, whose rest is planned anew for changed moves ([`arcline_contour::replan`]).
+    Anew(f64),
+}
+
+impl Continues {
+    /// The constant pace; `None`: any pace.
+    fn pace(self) -> Option<f64> {
+        match self {
+            Continues::AsPlanned => None,
+            Continues::Slowed(pace) | Continues::Anew(pace) => Some(pace),
+        }
+    }
 }
 
 impl Extension {
@@ -50,29 +71,21 @@ impl Extension {
             passed,
             now,
             earliest,
-            anew,
+            continues,
         } = self;
+        let pace = continues.pace().unwrap_or(1.0);
         let request = ExtensionRequest {
             running: trajectory,
             passed: *passed,
             moves,
             limits,
-            now: *now,
-            earliest: *earliest,
+            now: now / pace,
+            earliest: earliest / pace,
         };
-        match *anew {
-            Some(pace) => {
-                let (now, earliest) = (now / pace, earliest / pace);
-                replan(
-                    &ExtensionRequest {
-                        now,
-                        earliest,
-                        ..request
-                    },
-                    pace,
-                )
-            }
-            None => extend(&request),
+        match continues {
+            Continues::AsPlanned => extend(&request),
+            Continues::Slowed(_) => extend_slowed(&request, pace),
+            Continues::Anew(_) => replan(&request, pace),
         }
     }
 }
@@ -97,16 +110,16 @@ impl<T: Copy> ContourQueue<T> {
             Some(run) if self.moves[0].limits.speed > 0.0 && run.waits(clock) => None,
             Some(run) => Some(self.extension(run, clock, time)?),
         };
-        let as_planned = extends.as_ref().is_some_and(|extension| extension.anew.is_none());
+        let as_planned = extends
+            .as_ref()
+            .is_some_and(|extension| extension.continues == Continues::AsPlanned);
         self.take_moves(as_planned, take);
-        self.asked = Some(match extends {
+        self.asked = Some(match &extends {
             None => PlanRequest::Contour,
-            Some(Extension { passed, anew: None, .. }) => PlanRequest::Extension { passed },
-            Some(Extension {
-                passed,
-                anew: Some(pace),
-                ..
-            }) => PlanRequest::Anew { passed, pace },
+            Some(Extension { passed, continues, .. }) => match continues.pace() {
+                None => PlanRequest::Extension { passed: *passed },
+                Some(pace) => PlanRequest::Anew { passed: *passed, pace },
+            },
         });
         if let (Some(run), Some(extension)) = (&mut self.run, &extends) {
             run.asked = extension.now;
@@ -153,31 +166,48 @@ impl<T: Copy> ContourQueue<T> {
     fn extension(&self, run: &RunningTrajectory, clock: &Clock, time: &Clock) -> Option<Extension> {
         let planned = self.planned();
         let state = run.pace_at(clock);
-        let now = state.position;
+        let (now, pace) = (state.position, state.velocity);
         let left = run.trajectory.duration() - now;
-        if run.state != RunState::Travelling || now < run.retry || left <= 0.0 {
+        let is_settled = run.pace.is_settled(clock);
+        // At the low pace, an extension is found as soon as the pace is constant.
+        let is_slowed = run.waits_for_extension && run.failed;
+        let waits = if is_slowed {
+            !is_settled && run.pace.is_under_way()
+        } else {
+            now < run.retry
+        };
+        if run.state != RunState::Travelling || waits || left <= 0.0 {
             return None;
         }
-        let ask = |anew: Option<f64>| Extension {
-            trajectory: Arc::clone(&run.trajectory),
-            passed: run.passed,
-            now,
-            earliest: now + run.planning_s.min(MOST_PLANNING_SHARE * left).max(PLANNING_S) * anew.unwrap_or(1.0),
-            anew,
+        let ask = |continues: Continues| {
+            let pace = continues.pace().unwrap_or(1.0);
+            let planning = run.planning_s.min(MOST_PLANNING_SHARE * left / pace).max(PLANNING_S);
+            Extension {
+                trajectory: Arc::clone(&run.trajectory),
+                passed: run.passed,
+                now,
+                earliest: now + planning * pace,
+                continues,
+            }
         };
-        let pace = state.velocity;
-        let calm = run.changed.elapsed(clock) >= UNCHANGED_S && run.pace.is_settled(clock);
+        let calm = run.changed.elapsed(clock) >= UNCHANGED_S && is_settled;
         if run.stale && calm && pace >= LEAST_PACE_SHARE && left >= LEAST_LEFT_S * pace {
-            return Some(ask(Some(pace)));
+            return Some(ask(Continues::Anew(pace)));
         }
         let waiting = self.moves.len().checked_sub(planned).filter(|&waiting| waiting > 0)?;
         let last = self.moves.get(planned.checked_sub(1)?)?;
         let next = self.moves.get(planned)?;
+        if !last.leads_into(next) {
+            return None;
+        }
+        if is_slowed && is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE {
+            return Some(ask(Continues::Slowed(pace)));
+        }
         // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
         let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
         let many = waiting * few >= planned;
         let near = (left <= NEAR_S || self.is_settled(time)) && !self.is_growing(time);
-        (last.leads_into(next) && (many || near)).then(|| ask(None))
+        (many || near).then(|| ask(Continues::AsPlanned))
     }
 
     /// The override for which moves are planned: 1 if a move is too long to be planned anew when the override rises again.
@@ -287,6 +317,7 @@ impl<T: Copy> ContourQueue<T> {
             stale: false,
             stood: false,
             waits_for_extension: false,
+            failed: false,
             changed: clock.now(),
             state: RunState::Travelling,
             planning_s: PLANNING_S,
@@ -329,6 +360,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.pace = run.pace.on(&plan, &run.trajectory, clock);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
+                run.failed = false;
                 run.planning_s = took.clamp(PLANNING_S, MOST_PLANNING_S);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
@@ -346,6 +378,7 @@ impl<T: Copy> ContourQueue<T> {
                     (None, None) => (PLANNING_S, RETRY_SHARE),
                 };
                 run.planning_s = longer.max(took).min(MOST_PLANNING_S);
+                run.failed = true;
                 run.retry = own + share * (run.trajectory.duration() - own);
                 Err(late)
             }

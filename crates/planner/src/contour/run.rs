@@ -52,8 +52,10 @@ pub(super) struct RunningTrajectory {
     /// The instant of that change.
     pub(super) changed: Instant,
     pub(super) state: RunState,
-    /// Its pace is lower, as the plan of its extension is late.
+    /// Its pace is lower, as the plan of its extension is late or was not found.
     pub(super) waits_for_extension: bool,
+    /// The last plan of its extension was not found, or came too late.
+    pub(super) failed: bool,
     /// The time reserved for planning an extension, seconds of the trajectory's own time.
     pub(super) planning_s: f64,
     /// The position on it at the last request, seconds of its own time.

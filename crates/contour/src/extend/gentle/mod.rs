@@ -57,7 +57,6 @@ pub(crate) fn gentle(speed_curve: &SpeedCurve<'_>, running: Running<'_>, shares:
 pub(crate) fn gentle_and_smooth(
     section: &Section<'_>,
     running: Running<'_>,
-    shares: &[[f64; 2]],
     budget: &mut Budget,
 ) -> Option<ControlPoints> {
     let curve = Smoothed::new(section, running, budget)?;
@@ -65,9 +64,8 @@ pub(crate) fn gentle_and_smooth(
     let (state, followed) = (curve.begin(), curve.followed().to_vec());
     let left = *followed.last()?;
     let speed_curve = SpeedCurve::smooth(section, curve);
-    let timing = shares
-        .iter()
-        .find_map(|&shares| speed_curve.timing(state, &speed_curve.ends(shares), shares))?;
+    let mut shares = TUNING.gentle.smooth_shares.into_iter();
+    let timing = shares.find_map(|shares| speed_curve.timing(state, &speed_curve.ends(shares), shares))?;
     let curve = speed_curve.smoothed()?;
     let before = |time: f64| (curve.motion(time), curve.progress(time));
     let behind = |time: f64| {
@@ -114,6 +112,9 @@ fn control(
     mut before: impl FnMut(f64) -> (AxesState, f64),
     behind: impl Fn(f64) -> (AxesState, f64),
 ) -> Option<ControlPoints> {
+    if grid.len() > TUNING.gentle.most_nodes {
+        return None;
+    }
     // Without the last span, in which the motion comes to rest.
     let whole = grid.pop()?;
     let left = grid[followed - 1];
