@@ -48,6 +48,22 @@ fn a_late_plan_slows_a_stream_down_before_it_rests() {
     }
 }
 
+/// Extensions that are not found in time: the pace is lower until one from it is found. Both streams rested without that.
+#[test]
+fn a_stream_goes_on_from_a_low_pace_when_its_extension_is_not_found() {
+    let at_once = Feed {
+        latency: Latency::None,
+        ..FEED
+    };
+    for seed in [128, 340] {
+        let wild = Wild::new(seed, MOVES);
+        let mut within = Within::new(&wild, seed);
+        let told = travel(&wild.moves, wild.jerk, at_once, |_, _, sample| within.look(sample));
+        assert!(told.not_found > 0, "seed {seed}: each extension is found");
+        assert_eq!(told.unplanned, 0, "seed {seed}: {wild}");
+    }
+}
+
 /// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream
 /// begins at the position of rest.
 #[test]
