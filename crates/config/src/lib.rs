@@ -141,6 +141,9 @@ impl WireConfig {
     }
 }
 
+/// The name of the motion group if the configuration gives it none.
+pub const DEFAULT_GROUP: &str = "Motion";
+
 /// The home switch of an axis as an end of a wire: `X.home_switch`.
 pub const HOME_SWITCH: &str = "home_switch";
 

@@ -171,8 +171,24 @@ impl<'a, 't> Importer<'a, 't> {
         overlay::says(&self.overlay, section, name, key)
     }
 
+    /// A file without a motion group may have a tag of its default name: then the group gets an underscore.
+    fn name_default_group(&mut self) {
+        let mut name = arcline_config::DEFAULT_GROUP.to_owned();
+        while self.controller_names.contains(&name.to_ascii_lowercase()) {
+            name.push('_');
+        }
+        if name == arcline_config::DEFAULT_GROUP {
+            return;
+        }
+        let group = self.config.entry("motion_group");
+        if let Value::Table(group) = group.or_insert_with(|| Value::Table(Table::new())) {
+            group.entry("name").or_insert(Value::String(name));
+        }
+    }
+
     fn finish(mut self, controller: Node<'a, 't>) -> Result<Import, L5xError> {
         overlay::apply(&mut self.config, std::mem::take(&mut self.overlay));
+        self.name_default_group();
         // The target of an alias is known only when all other tags exist.
         for _ in 0..MAX_DEAD_ALIASES {
             let text = arcline_config::format(&self.config);

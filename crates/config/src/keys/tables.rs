@@ -494,7 +494,7 @@ pub(crate) static MOTION_GROUP: Keys = Keys {
         Key {
             name: "name",
             kind: Kind::Name,
-            default: Default::Text("Motion"),
+            default: Default::Text(crate::DEFAULT_GROUP),
             meaning: "the group's tag",
         },
         Key {

@@ -132,11 +132,12 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         .count();
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let sooner = || plan(Search::GentleSooner, TUNING.gentle.sooner_share, patience.gentle_sooner);
+    let gently_and_few = |patience| plan(Search::GentleAndSmooth, TUNING.extend.less_share, patience);
     let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
         // From a low pace, what is found soonest is found.
         is_slowed
             .then(|| {
-                plan(Search::GentleAndSmooth, TUNING.extend.less_share, patience.smooth)
+                gently_and_few(patience.smooth)
                     .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
             })
             .flatten()
@@ -145,13 +146,7 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
             // A smooth curve cannot be left for evenly rounded corners in its course.
             .or_else(sooner)
-            .or_else(|| {
-                plan(
-                    Search::GentleAndSmooth,
-                    TUNING.extend.less_share,
-                    patience.gentle_and_few,
-                )
-            })
+            .or_else(|| gently_and_few(patience.gentle_and_few))
             .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.

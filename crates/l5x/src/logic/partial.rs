@@ -84,8 +84,10 @@ fn call(project: &mut Project, add_on: &InstructionSource) {
     });
     for (mut name, data_type, dimensions, value) in std::iter::once(instance).chain(parameters) {
         let is_taken = |name: &str| {
-            let all = project.tags.iter().chain(&tags);
-            all.map(|tag| &tag.name).any(|one| one.eq_ignore_ascii_case(name))
+            let all = project.tags.iter().chain(&tags).map(|tag| tag.name.as_str());
+            // A motion group without a name has its default one.
+            all.chain([arcline_config::DEFAULT_GROUP])
+                .any(|one| one.eq_ignore_ascii_case(name))
         };
         while is_taken(&name) {
             name.push('_');

@@ -50,6 +50,17 @@ fn an_add_on_instruction_alone_is_called_in_every_scan() {
 }
 
 #[test]
+fn an_operand_of_the_default_name_of_the_motion_group_gets_an_underscore() {
+    let add_on = ADD_ON.replace("Name=\"Arr\"", "Name=\"Motion\"");
+    let project = logic(&file("AddOnInstructionDefinition", "Scale", &add_on), "scale.L5X").expect("it is read");
+    assert!(
+        project.tags.iter().any(|tag| tag.name == "Motion_"),
+        "{:?}",
+        project.tags
+    );
+}
+
+#[test]
 fn what_an_export_only_names_is_not_in_it() {
     let inside = ROUTINES.replace(
         "<Routines Use=\"Context\">",

@@ -285,6 +285,21 @@ fn wrong_files() {
 }
 
 #[test]
+fn a_tag_of_the_default_name_of_the_group_keeps_its_name() {
+    let group = |tags: &str| read(&format!("<Tags>{tags}</Tags>")).project.machine.group.clone();
+    let tag = "<Tag Name='motion' DataType='DINT'/>";
+    assert_eq!(group(tag), "Motion_");
+    assert_eq!(
+        group(&format!("{tag}<Tag Name='Motion_' DataType='DINT'/>")),
+        "Motion__"
+    );
+    assert_eq!(
+        group(&format!("{tag}<Tag Name='Group' DataType='MOTION_GROUP'/>")),
+        "Group"
+    );
+}
+
+#[test]
 fn a_circle_of_types_and_of_aliases_ends() {
     let member = |of: &str| format!("<Members><Member Name='M' DataType='{of}'/></Members>");
     let import = read(&format!(

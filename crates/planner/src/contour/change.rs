@@ -67,9 +67,10 @@ impl<T: Copy> ContourQueue<T> {
         let now = run.pace_at(clock).position;
         let near = LATE_LEFT_S[usize::from(active.limits.jerk.is_some())];
         let is_late = matches!(self.asked, Some(PlanRequest::Extension { .. })) && now - run.asked >= LATE_S;
+        let has_failed = run.slowed_retry.is_some() && self.moves.len() > self.planned();
         run.state == RunState::Travelling
             && active.parameter == Parameter::TIME
-            && (is_late || run.failed)
+            && (is_late || has_failed)
             && run.trajectory.duration() - now <= near
     }
 

@@ -170,11 +170,11 @@ impl<T: Copy> ContourQueue<T> {
         let left = run.trajectory.duration() - now;
         let is_settled = run.pace.is_settled(clock);
         // At the low pace, an extension is found as soon as the pace is constant.
-        let is_slowed = run.waits_for_extension && run.failed;
-        let waits = if is_slowed {
-            !is_settled && run.pace.is_under_way()
-        } else {
-            now < run.retry
+        let slowed = run.slowed_retry.filter(|_| run.waits_for_extension);
+        let waits = match slowed {
+            Some(retry) if is_settled => now < retry,
+            Some(_) if run.pace.is_under_way() => true,
+            _ => now < run.retry,
         };
         if run.state != RunState::Travelling || waits || left <= 0.0 {
             return None;
@@ -200,7 +200,7 @@ impl<T: Copy> ContourQueue<T> {
         if !last.leads_into(next) {
             return None;
         }
-        if is_slowed && is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE {
+        if slowed.is_some() && is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE {
             return Some(ask(Continues::Slowed(pace)));
         }
         // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
@@ -317,7 +317,7 @@ impl<T: Copy> ContourQueue<T> {
             stale: false,
             stood: false,
             waits_for_extension: false,
-            failed: false,
+            slowed_retry: None,
             changed: clock.now(),
             state: RunState::Travelling,
             planning_s: PLANNING_S,
@@ -360,7 +360,7 @@ impl<T: Copy> ContourQueue<T> {
                 run.pace = run.pace.on(&plan, &run.trajectory, clock);
                 let old = std::mem::replace(&mut run.trajectory, plan);
                 run.passed = since;
-                run.failed = false;
+                run.slowed_retry = None;
                 run.planning_s = took.clamp(PLANNING_S, MOST_PLANNING_S);
                 if pace.is_some() {
                     run.pace = Pace::constant(now, 1.0, clock);
@@ -378,8 +378,13 @@ impl<T: Copy> ContourQueue<T> {
                     (None, None) => (PLANNING_S, RETRY_SHARE),
                 };
                 run.planning_s = longer.max(took).min(MOST_PLANNING_S);
-                run.failed = true;
-                run.retry = own + share * (run.trajectory.duration() - own);
+                let retry = own + share * (run.trajectory.duration() - own);
+                match pace {
+                    None => run.slowed_retry = Some(own),
+                    Some(_) if !run.stale => run.slowed_retry = run.slowed_retry.map(|_| retry),
+                    Some(_) => {}
+                }
+                run.retry = retry;
                 Err(late)
             }
         }

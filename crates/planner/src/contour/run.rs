@@ -54,8 +54,9 @@ pub(super) struct RunningTrajectory {
     pub(super) state: RunState,
     /// Its pace is lower, as the plan of its extension is late or was not found.
     pub(super) waits_for_extension: bool,
-    /// The last plan of its extension was not found, or came too late.
-    pub(super) failed: bool,
+    /// The position on it from which on an extension may be requested at a low pace, seconds of its own time; `None`: no plan of an extension of it
+    /// came too late, or was not found.
+    pub(super) slowed_retry: Option<f64>,
     /// The time reserved for planning an extension, seconds of the trajectory's own time.
     pub(super) planning_s: f64,
     /// The position on it at the last request, seconds of its own time.
