@@ -133,15 +133,15 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     let has_many_arcs = arcs * TUNING.extend.most_arcs > end - begin;
     let sooner = || plan(Search::GentleSooner, TUNING.gentle.sooner_share, patience.gentle_sooner);
     let gently_and_few = |patience| plan(Search::GentleAndSmooth, TUNING.extend.less_share, patience);
-    let extended = if is_dense(&moves[begin..end]) && !has_many_arcs {
-        // From a low pace, what is found soonest is found.
-        is_slowed
-            .then(|| {
-                gently_and_few(patience.smooth)
-                    .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
-            })
-            .flatten()
-            .or_else(|| plan(smooth, 1.0, patience_of_smooth))
+    let is_chords = is_dense(&moves[begin..end]) && !has_many_arcs;
+    let extended = if is_slowed {
+        // What is found soonest is fast enough, and a further search is for nothing: nearly any is within all limits.
+        let smoothly = is_chords.then(|| gently_and_few(patience.smooth)).flatten();
+        smoothly
+            .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
+            .or_else(|| plan(smooth, TUNING.extend.less_share, patience_of_smooth))?
+    } else if is_chords {
+        plan(smooth, 1.0, patience_of_smooth)
             .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
             // A smooth curve cannot be left for evenly rounded corners in its course.
@@ -152,7 +152,7 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
         let is_ample = running.duration() - earliest >= TUNING.extend.ample_s;
         let first = &TUNING.attempts.usual[..1];
-        let together = (arcs == 0 && is_ample && !is_slowed)
+        let together = (arcs == 0 && is_ample)
             .then(|| plan(Search::Attempts(Quality::Full, first), 1.0, patience.together))
             .flatten();
         together

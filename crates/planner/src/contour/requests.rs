@@ -170,10 +170,11 @@ impl<T: Copy> ContourQueue<T> {
         let left = run.trajectory.duration() - now;
         let is_settled = run.pace.is_settled(clock);
         // At the low pace, an extension is found as soon as the pace is constant.
-        let slowed = run.slowed_retry.filter(|_| run.waits_for_extension);
-        let waits = match slowed {
-            Some(retry) if is_settled => now < retry,
-            Some(_) if run.pace.is_under_way() => true,
+        let slowed_retry = run.slowed_retry.filter(|_| run.waits_for_extension);
+        let is_slow = is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE;
+        let waits = match slowed_retry {
+            Some(retry) if is_slow => now < retry,
+            Some(_) if !is_settled && run.pace.is_under_way() => true,
             _ => now < run.retry,
         };
         if run.state != RunState::Travelling || waits || left <= 0.0 {
@@ -200,7 +201,7 @@ impl<T: Copy> ContourQueue<T> {
         if !last.leads_into(next) {
             return None;
         }
-        if slowed.is_some() && is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE {
+        if slowed_retry.is_some() && is_slow {
             return Some(ask(Continues::Slowed(pace)));
         }
         // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
@@ -370,22 +371,29 @@ impl<T: Copy> ContourQueue<T> {
                 self.change_pace(clock);
                 Ok(InstalledPlan::Extended(old))
             }
-            late => {
-                // A late plan doubles the time for the next one, which is planned at once. A failed plan is retried later.
-                let (longer, share) = match (&late, pace) {
-                    (Some(_), _) => (2.0 * run.planning_s, 0.0),
-                    (None, Some(_)) => (PLANNING_S, RETRY_ANEW_SHARE),
-                    (None, None) => (PLANNING_S, RETRY_SHARE),
+            unfit => {
+                // A late plan doubles the time for the next one, which is planned at once. A failed plan is retried later, and so is one that does not suit the
+                // pace, which may be changing.
+                let is_late = unfit.as_ref().is_some_and(|plan| now > plan.splice());
+                let longer = if unfit.is_some() {
+                    2.0 * run.planning_s
+                } else {
+                    PLANNING_S
+                };
+                let share = match pace {
+                    _ if is_late => 0.0,
+                    Some(_) => RETRY_ANEW_SHARE,
+                    None => RETRY_SHARE,
                 };
                 run.planning_s = longer.max(took).min(MOST_PLANNING_S);
                 let retry = own + share * (run.trajectory.duration() - own);
-                match pace {
-                    None => run.slowed_retry = Some(own),
-                    Some(_) if !run.stale => run.slowed_retry = run.slowed_retry.map(|_| retry),
-                    Some(_) => {}
-                }
+                let has_failed = is_late || unfit.is_none();
+                run.slowed_retry = match pace {
+                    Some(_) => run.slowed_retry.map(|_| retry),
+                    None => has_failed.then_some(own).or(run.slowed_retry),
+                };
                 run.retry = retry;
-                Err(late)
+                Err(unfit)
             }
         }
     }
