@@ -70,20 +70,14 @@ impl Continuation<'_> {
     }
 
     /// The same on evenly rounded corners, from a warm start within all limits that leaves the running motion within an interval.
-    pub(crate) fn plan_gently(
-        &self,
-        Range {
-            start: first,
-            end: until,
-        }: Range<f64>,
-        budget: &mut Budget,
-    ) -> Option<Trajectory> {
+    pub(crate) fn plan_gently(&self, interval: Range<f64>, budget: &mut Budget) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
+        let first = interval.start;
         let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
             let speed_curve = SpeedCurve::new(&section);
             let ends = TUNING.gentle.shares.map(|shares| speed_curve.ends(shares));
-            for leave in leaves(running, first, until) {
+            for leave in leaves(running, interval) {
                 let followed = Running { leave, ..from };
                 let state = running.at(leave);
                 for (shares, ends) in TUNING.gentle.shares.into_iter().zip(&ends) {
@@ -108,16 +102,10 @@ impl Continuation<'_> {
     }
 
     /// As [`Continuation::plan_gently`], along the smooth curve of dense chords.
-    pub(crate) fn plan_gently_and_smooth(
-        &self,
-        Range {
-            start: first,
-            end: until,
-        }: Range<f64>,
-        budget: &mut Budget,
-    ) -> Option<Trajectory> {
+    pub(crate) fn plan_gently_and_smooth(&self, interval: Range<f64>, budget: &mut Budget) -> Option<Trajectory> {
         let &Continuation { running, limits, .. } = self;
-        let mut instants: Vec<(f64, f64)> = leaves(running, first, until)
+        let first = interval.start;
+        let mut instants: Vec<(f64, f64)> = leaves(running, interval)
             .map(|leave| (in_use(&running.at(leave), limits), leave))
             .collect();
         instants.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -267,10 +255,10 @@ pub(crate) fn leave_at(running: &Trajectory, splice: f64, leave: f64) -> f64 {
 }
 
 /// Knots at which the running trajectory may be left, the last one first.
-fn leaves(running: &Trajectory, splice: f64, until: f64) -> impl Iterator<Item = f64> + '_ {
-    let first = splice + TUNING.extend.least_followed_s;
+fn leaves(running: &Trajectory, interval: Range<f64>) -> impl Iterator<Item = f64> + '_ {
+    let first = interval.start + TUNING.extend.least_followed_s;
     let from = running.knots.partition_point(|knot| knot.time < first);
-    let to = running.knots.partition_point(|knot| knot.time < until);
+    let to = running.knots.partition_point(|knot| knot.time < interval.end);
     let steps = to.saturating_sub(from).div_ceil(TUNING.gentle.leaves).max(1);
     (from..to).rev().step_by(steps).map(|k| running.knots[k].time)
 }

@@ -199,17 +199,21 @@ fn extended(
     }
     let first = earliest.max(latest).max(stop.map_or(0.0, after_stop));
     let soonest = earliest.max(stop.map_or(0.0, after_stop));
-    let brakes = brakes_from(running);
-    let last_leave = brakes + TUNING.gentle.latest_share * (running.duration() - brakes);
-    // A low pace need not be kept until the end.
-    let leaves = match search {
-        _ if is_slowed => soonest..soonest + TUNING.gentle.before_s,
-        Search::GentleSooner => soonest..last_leave,
-        _ => soonest.max(brakes - TUNING.gentle.before_s)..last_leave,
+    let leaves = || {
+        // A low pace need not be kept until the end.
+        if is_slowed {
+            return soonest..soonest + TUNING.gentle.before_s;
+        }
+        let brakes = brakes_from(running);
+        let first = match search {
+            Search::GentleSooner => soonest,
+            _ => soonest.max(brakes - TUNING.gentle.before_s),
+        };
+        first..brakes + TUNING.gentle.latest_share * (running.duration() - brakes)
     };
     let attempts = match search {
-        Search::Gentle | Search::GentleSooner => return continuation.plan_gently(leaves, budget),
-        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(leaves, budget),
+        Search::Gentle | Search::GentleSooner => return continuation.plan_gently(leaves(), budget),
+        Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(leaves(), budget),
         Search::Attempts(_, attempts) => attempts,
     };
     // A search that fails from one instant of the running motion may succeed from a later one.

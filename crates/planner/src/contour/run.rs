@@ -22,7 +22,7 @@ pub(super) enum PlanRequest {
         /// Its moves that were complete at the request.
         passed: usize,
     },
-    /// The rest of a trajectory in execution, for changed moves.
+    /// The rest of a trajectory in execution at a constant pace: for changed moves, or its extension from a low pace.
     Anew {
         /// Its moves that were complete at the request.
         passed: usize,
