@@ -2,7 +2,7 @@
 //!
 //! The tick runs as on its thread, but without its sleep, so 1,000 times as many of them; two client threads push every instruction through the
 //! rings and take answers, events and snapshots out of them, allocating all the time. The global allocator ends
-//! the process when the guarded thread asks it for memory (debug builds; release builds have no guard).
+//! the process when the guarded thread asks it for memory.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;

@@ -57,6 +57,8 @@ pub(crate) struct Section<'a> {
     pub(crate) smoothness: Smoothness,
     pub(crate) quality: Quality,
     slow_down: SlowDown,
+    /// The excess beyond which a continuation that closes in on its limits is given up.
+    far: f64,
 }
 
 impl<'a> Section<'a> {
@@ -75,12 +77,13 @@ impl<'a> Section<'a> {
             smoothness,
             quality,
             slow_down: SlowDown::Outside,
+            far: TUNING.smooth.far,
         }
     }
 
-    /// The same with a different slow-down of a start outside the limits.
-    pub(crate) fn slowing(self, slow_down: SlowDown) -> Self {
-        Section { slow_down, ..self }
+    /// The same with a different slow-down of a start outside the limits, and another excess beyond which it is given up.
+    pub(crate) fn attempted(self, slow_down: SlowDown, far: f64) -> Self {
+        Section { slow_down, far, ..self }
     }
 
     /// The limits without those of the jerk, and the reference path rounded for them: an S-curve starts from the trapezoid's shape, as without
@@ -299,6 +302,9 @@ impl<'a> Section<'a> {
             if stage.limits == Limited::Acceleration {
                 warp = self.smoothness;
             }
+            if quality == Quality::Smooth {
+                work.smooth_stage(control.points.len());
+            }
             let now = self.run_stage(&mut control, stage, &margin, work);
             if !now.trajectory.duration().is_finite() {
                 return Err(Missed::Near);
@@ -317,7 +323,7 @@ impl<'a> Section<'a> {
                     times: now.times.clone(),
                 });
             }
-            if closes_in && now.excess > TUNING.smooth.far {
+            if closes_in && now.excess > self.far {
                 return Err(Missed::Far);
             }
             // A motion whose excess no longer decreases does not come within its limits; a slower one may.

@@ -129,9 +129,11 @@ constants! {
         /// Points of it that are measured.
         /// More points find more of an excess, and take more time. Not measured.
         measured: u32 = 32,
-        /// Samples of it for the speed profile.
-        /// More samples show more of the curvature to the speed profile, and take more time. Not measured.
+        /// Samples of it for the speed profile; and of one that turns by no more than [`Smooth::sharp`], as those between dense chords.
+        /// More samples show more of the curvature to the speed profile, and take more time: with 24 for all of them they took a third of the time of
+        /// an extension along chords of 0.05 mm, and the motion of the streams took as long. 6 for all: `corners` +3 % with trapezoids.
         samples: usize = 24,
+        gentle_samples: usize = 6,
         /// Samples of a line for the whole length of the reference path, at least and at most for each.
         /// More samples place nodes more exactly where the speed changes, and take more time. Not measured.
         line_samples: [f64; 3] = [400.0, 4.0, 200.0],
@@ -192,6 +194,9 @@ constants! {
         /// Motions farther outside after closing in once did not come inside: `rows` with S-curves 0.07 of the motion instead of 0.12 (with the
         /// instants of the attempts, in one change).
         far: f64 = 1.8,
+        /// The same in a short rest of the running motion ([`Extend::short_s`]): of 26 attempts at `fine` with S-curves that were outside by more after they
+        /// had closed in once, one came inside.
+        far_short: f64 = 1.02,
         /// Largest share of an excess that may remain after another attempt.
         /// More continues attempts that hardly close in, less gives up attempts that would. Not measured.
         nearer: f64 = 0.97,
@@ -335,6 +340,12 @@ constants! {
         /// take longer than its share. The smooth curve alone counted with 50: such searches took two to four times their share.
         attempt_each: u64 = 25,
         smooth_attempt_each: u64 = 70,
+        /// Those of each piece of the path for an attempt from a warm start outside of the limits, for its roundings and their speeds; and for a gentle search
+        /// and each of its attempts. 1 µs (2.9 before they had fewer samples) and 3 µs.
+        piece_each: u64 = 8,
+        gentle_piece_each: u64 = 25,
+        /// Those of each node for a stage along a smooth curve: smoothing, measuring and narrowing take 4 to 5 µs.
+        stage_each: u64 = 40,
         /// Visits that one of timing and shape together is worth.
         /// 3: such searches took two to four times their share.
         together_each: u64 = 6,

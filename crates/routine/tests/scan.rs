@@ -1,6 +1,6 @@
 //! A scan allocates nothing, and the same project gives the same bytes each time.
 //!
-//! The global allocator ends the process when the guarded scan asks it for anything (debug builds; release builds have no guard).
+//! The global allocator ends the process when the guarded scan asks it for anything.
 
 use arcline_routine::source::{
     Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,

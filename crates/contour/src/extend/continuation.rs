@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::extend::gentle::{SpeedCurve, gentle, gentle_and_smooth};
 use crate::extend::splice::braking_time;
-use crate::extend::warm_start::{Running, warm_start};
+use crate::extend::warm_start::{Running, followed, warm_start};
 use crate::extend::warm_start_joined::warm_start_joined;
 use crate::path::allowance::SectionStart;
 use crate::plan::{PlanningTime, plan_with};
@@ -29,6 +29,8 @@ pub(crate) struct Continuation<'a> {
     pub(crate) begin: usize,
     pub(crate) end: usize,
     pub(crate) quality: Quality,
+    /// The excess beyond which an attempt from a warm start outside of the limits is given up.
+    pub(crate) far: f64,
 }
 
 impl Continuation<'_> {
@@ -48,11 +50,12 @@ impl Continuation<'_> {
     ) -> Result<Trajectory, Missed> {
         let mut missed = Missed::Near;
         let found = self.then(splice, leave, self.quality, |section, followed, back| {
-            let section = section.slowing(slow_down);
+            let section = section.attempted(slow_down, self.far);
             let mut control = warm_start(&section, followed);
             if !holds {
                 control.held_nodes = control.kept_nodes;
             }
+            budget.round(section.reference.pieces.len());
             // On a fixed curve, each attempt has the whole budget, which is small.
             if self.quality == Quality::Smooth {
                 *work = None;
@@ -75,13 +78,14 @@ impl Continuation<'_> {
         let first = interval.start;
         let mut candidates = Vec::new();
         self.section(first, first, Quality::TimingOnly, |section, from, _| {
+            budget.round_gently(section.reference.pieces.len());
             let speed_curve = SpeedCurve::new(&section);
             let ends = TUNING.gentle.shares.map(|shares| speed_curve.ends(shares));
             for leave in leaves(running, interval) {
-                let followed = Running { leave, ..from };
                 let state = running.at(leave);
+                let progress = followed(&section, Running { leave, ..from }).last()?.progress;
                 for (shares, ends) in TUNING.gentle.shares.into_iter().zip(&ends) {
-                    if let Some(off) = speed_curve.goes_on(followed, ends, shares) {
+                    if let Some(off) = speed_curve.goes_on(&state, progress, ends, shares) {
                         candidates.push(((off - 1.0).max(0.0) + in_use(&state, limits) + shares[0], leave, shares));
                         break;
                     }
@@ -94,6 +98,7 @@ impl Continuation<'_> {
         first_within(&candidates, budget, |&(_, leave, shares), mend, budget| {
             let splice = first.max(before(running, leave));
             self.then(splice, leave, Quality::TimingOnly, |section, followed, _| {
+                budget.round_gently(section.reference.pieces.len());
                 let control = gentle(&SpeedCurve::new(&section), followed, shares)?;
                 budget.begin(control.points.len());
                 hastened(&section, control, mend, budget)

@@ -71,11 +71,12 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         earliest,
     } = request;
     let old = running.moves().checked_sub(passed).filter(|&old| old > 0)?;
-    // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them.
+    // The moves of the running trajectory give the duration of a move. More moves would take longer to plan; a later extension adds them. One that was
+    // extended does not begin at 0.
     let begins = passed
         .checked_sub(1)
         .and_then(|last| running.move_end(last))
-        .unwrap_or(0.0);
+        .or_else(|| running.knots.first().map(|knot| knot.time))?;
     let each = pace * (running.duration() - begins) / old as f64;
     // The first extension of a new trajectory is short: the trajectory must not end meanwhile.
     let ahead = (running.duration() - now).clamp(TUNING.extend.least_s, TUNING.extend.most_s);
@@ -90,6 +91,12 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     let is_slowed = pace < 1.0;
     // The estimated time of the searches before.
     let spent = Cell::new(0.0);
+    let patience = &TUNING.patience;
+    let (attempts, patience_of_smooth, far) = if left < TUNING.extend.short_s {
+        (&TUNING.attempts.short, patience.smooth_short, TUNING.smooth.far_short)
+    } else {
+        (&TUNING.attempts.usual, patience.smooth, TUNING.smooth.far)
+    };
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let plan_for = |search: Search<'_>, share: f64, patience: f64, least: f64| {
         let most = moves.len() - old;
@@ -103,6 +110,7 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
             begin,
             end: end.min(old + more),
             quality: search.quality(),
+            far,
         };
         let rest = (left - spent.get()).clamp(0.0, TUNING.patience.most_rest_s);
         let seconds = (patience * rest).max(least);
@@ -116,12 +124,6 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         let found = extended(&continuation, old, earliest, (search, is_slowed), &mut budget);
         spent.set(spent.get() + budget.seconds());
         found
-    };
-    let patience = &TUNING.patience;
-    let (attempts, patience_of_smooth) = if left < TUNING.extend.short_s {
-        (&TUNING.attempts.short, patience.smooth_short)
-    } else {
-        (&TUNING.attempts.usual, patience.smooth)
     };
     let plan = |search, share, patience| plan_for(search, share, patience, 0.0);
     let last = |search, share| plan_for(search, share, patience.last, patience.least_last_s);

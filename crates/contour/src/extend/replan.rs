@@ -56,6 +56,7 @@ pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
                 begin,
                 end,
                 quality,
+                far: TUNING.smooth.far,
             };
             let leave = leave_at(&running, splice, splice + TUNING.extend.replan_followed_s);
             continuation

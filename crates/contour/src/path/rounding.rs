@@ -36,6 +36,17 @@ impl Stretch {
         matches!(self.shape, StretchShape::Piece(index) if matches!(reference.pieces[index], Path::Arc(_)))
     }
 
+    /// The change of the direction (of a unit vector) in a rounding; 0 in a part of a piece.
+    pub(crate) fn turn(&self) -> f64 {
+        match &self.shape {
+            StretchShape::Piece(_) => 0.0,
+            StretchShape::Bezier(points, count) => {
+                let leg = |from: usize| (points[from + 1] - points[from]).normalize();
+                (leg(count - 2) - leg(0)).norm()
+            }
+        }
+    }
+
     /// The point at a progress within it, and its first two derivatives by the progress.
     pub(crate) fn derivatives(&self, reference: &ReferencePath, progress: f64) -> [Point; 3] {
         match &self.shape {

@@ -54,6 +54,16 @@ impl Budget {
         self.count(TUNING.work.smooth_attempt_each * nodes as u64);
     }
 
+    /// Counts the path of an attempt from a warm start outside of the limits, of this number of pieces.
+    pub(crate) fn round(&mut self, pieces: usize) {
+        self.count(TUNING.work.piece_each * pieces as u64);
+    }
+
+    /// The same for the speeds along the path of a gentle continuation.
+    pub(crate) fn round_gently(&mut self, pieces: usize) {
+        self.count(TUNING.work.gentle_piece_each * pieces as u64);
+    }
+
     fn count(&mut self, visits: u64) {
         self.left = self.left.saturating_sub(visits);
         self.spent += visits;
@@ -107,6 +117,11 @@ impl Work {
     pub(crate) fn visit(&mut self, nodes: usize) {
         self.left = self.left.saturating_sub(nodes as u64);
         self.visited += nodes as u64;
+    }
+
+    /// Counts what a stage along a smooth curve of this number of nodes takes beside its optimisation; the budget of the optimisation remains.
+    pub(crate) fn smooth_stage(&mut self, nodes: usize) {
+        self.visited += TUNING.work.stage_each * nodes as u64;
     }
 
     /// Leaves at least this number of visits of each of this number of nodes.

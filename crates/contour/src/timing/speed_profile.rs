@@ -96,7 +96,8 @@ pub(crate) fn sample(reference: &ReferencePath, stretches: &[Stretch]) -> Vec<Sa
         let span = stretch.to - stretch.from;
         let [line, arc] = [&TUNING.rounding.line_samples, &TUNING.rounding.arc_samples];
         let count = match &stretch.shape {
-            StretchShape::Bezier(..) => TUNING.rounding.samples,
+            StretchShape::Bezier(..) if stretch.turn() > TUNING.smooth.sharp => TUNING.rounding.samples,
+            StretchShape::Bezier(..) => TUNING.rounding.gentle_samples,
             StretchShape::Piece(piece) => match &reference.pieces[*piece] {
                 Path::Line(_) => (line[0] * span / whole).clamp(line[1], line[2]) as usize,
                 Path::Arc(path) => (span / path.radius() * arc[0]).clamp(arc[1], arc[2]) as usize,

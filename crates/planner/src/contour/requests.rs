@@ -387,7 +387,8 @@ impl<T: Copy> ContourQueue<T> {
                 };
                 run.planning_s = longer.max(took).min(MOST_PLANNING_S);
                 let retry = own + share * (run.trajectory.duration() - own);
-                let has_failed = is_late || unfit.is_none();
+                // One that does not suit the pace which falls because of it has failed as well.
+                let has_failed = is_late || unfit.is_none() || run.waits_for_extension;
                 run.slowed_retry = match pace {
                     Some(_) => run.slowed_retry.map(|_| retry),
                     None => has_failed.then_some(own).or(run.slowed_retry),

@@ -2,7 +2,6 @@
 
 use crate::extend::gentle::fade::Fade;
 use crate::extend::gentle::smoothed::Smoothed;
-use crate::extend::warm_start::{Running, followed};
 use crate::limits::MoveLimits;
 use crate::path::reference::along;
 use crate::path::rounding::{Corners, Stretch, StretchShape, round};
@@ -183,13 +182,11 @@ impl<'a> SpeedCurve<'a> {
         ends
     }
 
-    /// The share of the allowed values that the offset of a gentle continuation needs to fade out; `ends` as [`SpeedCurve::ends`].
-    /// `None` if there is no gentle continuation.
-    pub(crate) fn goes_on(&self, running: Running<'_>, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
-        let from = running.trajectory.at(running.leave);
-        let at = followed(self.section, running).last()?.progress;
-        let (_, profile) = self.first(self.state(&from, at), ends, shares)?;
-        Some(Fade::new(self, &from, &profile).1)
+    /// The share of the allowed values that the offset of a gentle continuation needs to fade out; from a state of the running motion at a progress,
+    /// `ends` as [`SpeedCurve::ends`]. `None` if there is no gentle continuation.
+    pub(crate) fn goes_on(&self, from: &AxesState, progress: f64, ends: &[f64], shares: [f64; 2]) -> Option<f64> {
+        let (_, profile) = self.first(self.state(from, progress), ends, shares)?;
+        Some(Fade::new(self, from, &profile).1)
     }
 
     /// The transition from the running motion to the speed curve at its speed: the stretch at whose end it is complete, and the profile until
