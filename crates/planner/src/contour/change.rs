@@ -8,7 +8,7 @@ use super::guard::Extra;
 use super::pace::PaceRequest;
 use super::ramp::StopRequest;
 use super::run::{PlanRequest, RunState, least};
-use super::tuning::{LATE_LEFT_S, LATE_S, WAITING_PACE};
+use super::tuning::{LATE_LEFT_S, WAITING_PACE};
 use super::{ContourQueue, requests};
 use crate::tolerance::SAME_SHARE;
 use crate::{Clock, MasterRate, Parameter};
@@ -65,8 +65,8 @@ impl<T: Copy> ContourQueue<T> {
             return false;
         };
         let now = run.pace_at(clock).position;
-        let near = LATE_LEFT_S[usize::from(active.limits.jerk.is_some())];
-        let is_late = matches!(self.asked, Some(PlanRequest::Extension { .. })) && now - run.asked >= LATE_S;
+        let near = LATE_LEFT_S[usize::from(self.is_s_curve())];
+        let is_late = matches!(self.asked, Some(PlanRequest::Extension { .. })) && now >= run.due;
         let has_failed = run.slowed_retry.is_some() && self.moves.len() > self.planned();
         run.state == RunState::Travelling
             && active.parameter == Parameter::TIME

@@ -11,7 +11,7 @@ use super::ContourQueue;
 use super::pace::Pace;
 use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
-    AMPLE_S, ENOUGH_MOVES, ENOUGH_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LEAST_BEGUN_S, LEAST_LEFT_S,
+    AMPLE_S, ENOUGH_MOVES, ENOUGH_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LATE_S, LEAST_BEGUN_S, LEAST_LEFT_S,
     LEAST_PACE_SHARE, LONG_MOVE_S, LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN,
     PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S, WAITING_PACE,
 };
@@ -114,6 +114,7 @@ impl<T: Copy> ContourQueue<T> {
             .as_ref()
             .is_some_and(|extension| extension.continues == Continues::AsPlanned);
         self.take_moves(as_planned, take);
+        let is_s_curve = self.is_s_curve();
         self.asked = Some(match &extends {
             None => PlanRequest::Contour,
             Some(Extension { passed, continues, .. }) => match continues.pace() {
@@ -123,6 +124,8 @@ impl<T: Copy> ContourQueue<T> {
         });
         if let (Some(run), Some(extension)) = (&mut self.run, &extends) {
             run.asked = extension.now;
+            let late = extension.now + LATE_S;
+            run.due = if is_s_curve { late.max(extension.earliest) } else { late };
         }
         self.generation = self.generation.wrapping_add(1);
         Some(ContourBatch {
@@ -172,9 +175,11 @@ impl<T: Copy> ContourQueue<T> {
         // At the low pace, an extension is found as soon as the pace is constant.
         let slowed_retry = run.slowed_retry.filter(|_| run.waits_for_extension);
         let is_slow = is_settled && pace >= LEAST_PACE_SHARE * WAITING_PACE;
+        let is_s_curve = self.is_s_curve();
         let waits = match slowed_retry {
             Some(retry) if is_slow => now < retry,
-            Some(_) if !is_settled && run.pace.is_under_way() => true,
+            // The pace of trapezoids is soon low; that of S-curves may take all of the rest.
+            Some(_) if !is_s_curve && !is_settled && run.pace.is_under_way() => true,
             _ => now < run.retry,
         };
         if run.state != RunState::Travelling || waits || left <= 0.0 {
@@ -209,6 +214,11 @@ impl<T: Copy> ContourQueue<T> {
         let many = waiting * few >= planned;
         let near = (left <= NEAR_S || self.is_settled(time)) && !self.is_growing(time);
         (many || near).then(|| ask(Continues::AsPlanned))
+    }
+
+    /// The active move is an S-curve.
+    pub(super) fn is_s_curve(&self) -> bool {
+        self.moves.front().is_some_and(|active| active.limits.jerk.is_some())
     }
 
     /// The override for which moves are planned: 1 if a move is too long to be planned anew when the override rises again.
@@ -323,6 +333,7 @@ impl<T: Copy> ContourQueue<T> {
             state: RunState::Travelling,
             planning_s: PLANNING_S,
             asked: 0.0,
+            due: 0.0,
             retry: 0.0,
             nominal,
         });

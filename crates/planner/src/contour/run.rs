@@ -61,6 +61,8 @@ pub(super) struct RunningTrajectory {
     pub(super) planning_s: f64,
     /// The position on it at the last request, seconds of its own time.
     pub(super) asked: f64,
+    /// The position on it at which the requested plan is late, seconds of its own time.
+    pub(super) due: f64,
     /// The position on it from which on an extension may be requested again, seconds of its own time.
     pub(super) retry: f64,
     /// The nominal speed of the master for which it was planned, master units/s; 1 for time.

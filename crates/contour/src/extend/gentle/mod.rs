@@ -105,14 +105,15 @@ pub(crate) fn gentle_from_rest(section: &Section<'_>) -> Option<ControlPoints> {
 }
 
 /// Control points on a grid whose first knots follow the running motion: from the states at instants of it and after its last followed knot,
-/// with their progress.
+/// with their progress. `None`: nothing comes after that knot, or too many nodes do.
 fn control(
     section: &Section<'_>,
     (initial, mut grid, followed): (AxesState, Vec<f64>, usize),
     mut before: impl FnMut(f64) -> (AxesState, f64),
     behind: impl Fn(f64) -> (AxesState, f64),
 ) -> Option<ControlPoints> {
-    if grid.len() > TUNING.gentle.most_nodes {
+    let is_extended = grid.len() > followed;
+    if !is_extended || grid.len() > TUNING.gentle.most_nodes {
         return None;
     }
     // Without the last span, in which the motion comes to rest.
@@ -218,4 +219,38 @@ fn marched(spans: &[Span]) -> Vec<f64> {
         }
     }
     times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::allowance::SectionStart;
+    use crate::solve::stages::Quality;
+    use crate::{AxisLimits, ContourMove, Deviation, Path, Point};
+
+    /// A running motion that was left at its end: only its own knots are known. This was an index out of bounds in the planner's thread.
+    #[test]
+    fn nothing_after_the_running_motion_is_no_continuation() {
+        let one = ContourMove {
+            path: Path::line(Point::zeros(), Point::new(1.0, 0.0, 0.0)),
+            speed: 100.0,
+            acceleration: 1000.0,
+            deceleration: 1000.0,
+            jerk: Some(10_000.0),
+            tolerance: 0.01,
+            deviation: Deviation::default(),
+        };
+        let limits = AxisLimits {
+            speed: Point::repeat(500.0),
+            acceleration: Point::repeat(5000.0),
+            jerk: Some(Point::repeat(100_000.0)),
+        };
+        let moves = [one];
+        let section = Section::new(&moves, &limits, SectionStart::Running, Quality::Smooth);
+        let rest = (AxesState::rest(Point::zeros()), 0.0);
+        let grid = |count: usize| (0..count).map(|k| 0.002 * (k as f64 - 1.0)).collect::<Vec<f64>>();
+        let found = |count| control(&section, (rest.0, grid(count), 4), |_| rest, |_| rest);
+        assert!(found(4).is_none());
+        assert!(found(8).is_some());
+    }
 }
