@@ -361,9 +361,10 @@ constants! {
     /// one random stream in five rested. With least times as well, the searches of a short rest took all of it: of 250 random streams 10 rested, now none.
     Patience {
         /// Half as much: a motion of the random streams is 0.2 % longer, and the searches behind it take the time. In a short rest
-        /// ([`Extend::short_s`]) it gets more, as others are found seldom: with 0.1 ten of 48 extensions of `fine` were not found, not one.
-        smooth: f64 = 0.1,
-        smooth_short: f64 = 0.16,
+        /// ([`Extend::short_s`]) it gets more, as others are found seldom: with 0.1 ten of 48 extensions of `fine` were not found, not one. Since all of the work
+        /// counts, with 0.1 and 0.16 `rough` with S-curves takes 5 % more time, `rows` 1 %; 0.18 and 0.26: no difference.
+        smooth: f64 = 0.14,
+        smooth_short: f64 = 0.22,
         gentle_and_smooth: f64 = 0.05,
         /// At first, timing and shape together alone keep the speed constant along few chords (half of it: a circle of 120 slowed down twice at its end),
         /// but what comes behind them needs time as well (more: of 22 random extensions 6 were not found).
