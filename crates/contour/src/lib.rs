@@ -31,7 +31,7 @@ pub use arcline_geometry::{Path, Point};
 pub use extend::replan::replan;
 pub use extend::{ExtensionRequest, extend, extend_slowed};
 pub use limits::{AxisLimits, Rates};
-pub use plan::{begin, plan};
+pub use plan::{begin, plan, plan_with_stops};
 pub use trajectory::{AxesState, Peaks, Piece, Trajectory};
 
 pub(crate) use limits::MoveLimits;

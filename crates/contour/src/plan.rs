@@ -20,6 +20,26 @@ pub fn plan(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
     plan_with(moves, limits, PlanningTime::Unlimited)
 }
 
+/// Plans the moves with a stop at each joint: the simplest plan, if [`plan`] has a defect.
+#[must_use]
+pub fn plan_with_stops(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
+    let start = moves.first().map_or(Point::zeros(), |first| first.path.start());
+    stops_between(Trajectory::rest(start), moves, limits, PlanningTime::Unlimited).planned_for(moves, limits)
+}
+
+/// Appends the moves with a stop behind each.
+fn stops_between(
+    mut whole: Trajectory,
+    moves: &[ContourMove],
+    limits: &AxisLimits,
+    planning_time: PlanningTime,
+) -> Trajectory {
+    for one in moves {
+        whole.append(plan_section(core::slice::from_ref(one), limits, planning_time));
+    }
+    whole
+}
+
 /// The time for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PlanningTime {
@@ -148,11 +168,7 @@ fn plan_section(moves: &[ContourMove], limits: &AxisLimits, planning_time: Plann
     if long.len() == 1 {
         return Section::new(moves, limits, SectionStart::Rest, Quality::TimingOnly).slowed();
     }
-    let mut whole = Trajectory::rest(moves[0].path.start());
-    for one in moves {
-        whole.append(plan_section(core::slice::from_ref(one), limits, planning_time));
-    }
-    whole
+    stops_between(Trajectory::rest(moves[0].path.start()), moves, limits, planning_time)
 }
 
 /// The first S-curves of a stream on evenly rounded corners, within all limits from their first guess on: found sooner than from a guess without

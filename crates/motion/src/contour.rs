@@ -51,6 +51,12 @@ impl ContourRequest {
         };
         Some(Arc::new(planned))
     }
+
+    /// Plans the contour from rest with a stop at each joint. Outside the tick as well.
+    #[must_use]
+    pub fn plan_with_stops(&self) -> Arc<Trajectory> {
+        Arc::new(arcline_contour::plan_with_stops(&self.moves, &self.limits))
+    }
 }
 
 impl Default for ContourRequest {
