@@ -36,6 +36,13 @@ pub trait Drives: fmt::Debug + Send {
         let _ = self.exchange(set_points, feedback);
     }
 
+    /// The drives of these axes are exactly at their set-points at every instant, and their feedback shows nothing but this motion as long as
+    /// no latch is armed and no input written. Exchanges with them can then be left out, but for the last two before their feedback is used.
+    fn follow_exactly(&self, axes: &[AxisId]) -> bool {
+        let _ = axes;
+        false
+    }
+
     /// Takes a change, after the last exchange of the present tick, of an input that clients or a program write and that is not wired
     /// to a drive. The drive handles it as a wired input: `feedback` is that of the axis, and gets the input and the latch of a
     /// registration input; the latch of homing comes with the next exchange.
@@ -98,6 +105,13 @@ impl SetPoint {
             velocity: self.velocity,
             acceleration: self.acceleration,
         }
+    }
+
+    /// Sets its position, velocity and acceleration.
+    pub fn set_motion(&mut self, motion: KinematicState) {
+        self.position = motion.position;
+        self.velocity = motion.velocity;
+        self.acceleration = motion.acceleration;
     }
 }
 

@@ -117,6 +117,16 @@ impl SimulatedAxis {
         feedback.latches = latches;
     }
 
+    /// The axis is exactly at its set-points, and nothing is pending that another update would show.
+    fn follows_exactly(&self) -> bool {
+        self.set_point.enable
+            && !self.is_disabled
+            && self.home_edge.is_none()
+            && self.set_point.latches.iter().all(Option::is_none)
+            && self.drive.is_exact()
+            && self.drive.error() == 0.0
+    }
+
     /// Takes a write of the home input. A change closes a latch at the present position of the axis.
     fn write_home(&mut self, on: bool, feedback: &mut Feedback) {
         if self.home != on {
@@ -280,6 +290,13 @@ impl Drives for SimulatedDrives {
                 axis.follow(set_point, self.period, feedback);
             }
         }
+    }
+
+    fn follow_exactly(&self, axes: &[AxisId]) -> bool {
+        axes.iter().all(|id| match self.axes.get(id.index()) {
+            Some(Some(axis)) => axis.follows_exactly(),
+            _ => true,
+        })
     }
 
     /// Closes the latch at the tick, at the present position of the axis.

@@ -110,7 +110,7 @@ impl Axis {
     /// The actual position while the axis follows a command; `None`: its feedback shows more than motion, or its position is a fault.
     pub(crate) fn plain_position(&self, feedback: &Feedback, sent: &SetPoint, command: f64) -> Option<f64> {
         if self.is_virtual {
-            return self.faults.allow(command, 0.0).then_some(command);
+            return self.plain_exact_position(command);
         }
         let position = if feedback.motion.position == sent.position {
             command
@@ -122,6 +122,11 @@ impl Axis {
             && feedback.latches.iter().all(Option::is_none)
             && self.faults.allow(position, feedback.error);
         is_plain.then_some(position)
+    }
+
+    /// As [`Axis::plain_position`], of an axis that is exactly at its command.
+    pub(crate) fn plain_exact_position(&self, command: f64) -> Option<f64> {
+        self.faults.allow(command, 0.0).then_some(command)
     }
 
     /// Takes the feedback of an exchange, and the position of the axis by it.

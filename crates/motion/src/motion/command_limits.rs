@@ -6,6 +6,7 @@
 //! the refused command. A defect of a planner, a transform or a follower thus causes a stop and not a jump. Not here: limits of programs,
 //! which instructions and planners observe. Real-time: no allocation; bounded by the axes; after a refusal by their square.
 
+use arcline_drive::SetPoint;
 use arcline_instruction_set::{AxisId, FaultKind, FaultSet};
 use arcline_planner::Clock;
 use arcline_profile::KinematicState;
@@ -61,10 +62,16 @@ impl Motion {
         if !was_on || !axis.has_torque() || axis.feeding.is_some() {
             return true;
         }
-        let before = [last.position, last.velocity];
         let follows = || axis.follows_a_master() || self.systems.iter().any(|system| system.is_driven_by_master(id));
         axis.command_limits
-            .allow(before, next, follows, axis, self.clock.period())
+            .allow(last, next, follows, axis, self.clock.period())
+    }
+
+    /// The steps that the limits of an axis allow from the present tick on; `None`: its steps are not limited.
+    pub(super) fn step(&self, id: AxisId) -> Option<Step> {
+        let axis = &self.axes[id];
+        let is_limited = axis.command_limits.enabled;
+        is_limited.then(|| axis.command_limits.step(axis, self.clock.period()))
     }
 
     /// The report of a set-point that does not go out.
@@ -159,38 +166,74 @@ impl Motion {
     }
 }
 
+/// The changes from one set-point to the next one that [`CommandLimits`] allow to an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    speed: f64,
+    /// Of the velocity, in one tick.
+    change: f64,
+    period: f64,
+}
+
+impl Step {
+    /// The set-point may follow the last one, whatever moves the axis. False: [`Motion::may_go_out`] must be asked.
+    pub(super) fn allows(&self, last: &SetPoint, next: &KinematicState) -> bool {
+        let step = next.position - last.position;
+        is_finite(step, next) && self.allows_speed(step, last, next) && self.allows_change(step, last, next)
+    }
+
+    fn allows_speed(&self, step: f64, last: &SetPoint, next: &KinematicState) -> bool {
+        step.abs() <= self.speed * self.period + self.rounding(last) && next.velocity.abs() <= self.speed
+    }
+
+    /// Beside the mean of the velocities at both ends, an acceleration of at most a moves an axis by at most a t^2 / 4, and a velocity that
+    /// changes at once by half of what it changes.
+    fn allows_change(&self, step: f64, last: &SetPoint, next: &KinematicState) -> bool {
+        let changed = (next.velocity - last.velocity).abs();
+        let jump = (step - 0.5 * (last.velocity + next.velocity) * self.period).abs();
+        changed <= self.change && jump <= (0.25 * self.change + 0.5 * changed) * self.period + self.rounding(last)
+    }
+
+    /// Rounding of positions far from 0.
+    fn rounding(&self, last: &SetPoint) -> f64 {
+        COMMAND_SHARE * last.position.abs().max(self.speed * self.period)
+    }
+}
+
+/// A step to the next set-point is a number.
+fn is_finite(step: f64, next: &KinematicState) -> bool {
+    step.is_finite() && next.velocity.is_finite() && next.acceleration.is_finite()
+}
+
 impl CommandLimits {
     /// A set-point may follow the last one: its speed, its distance and its change of velocity are those of an axis within these limits. The
     /// acceleration of an axis that follows a master or is being homed depends on its master or its drive, so only its speed is limited.
     fn allow(
         &self,
-        [position, velocity]: [f64; 2],
+        last: &SetPoint,
         next: &KinematicState,
         follows: impl Fn() -> bool,
         axis: &Axis,
         period: f64,
     ) -> bool {
-        let step = next.position - position;
-        if !(step.is_finite() && next.velocity.is_finite() && next.acceleration.is_finite()) {
+        let step = next.position - last.position;
+        if !is_finite(step, next) {
             return false;
         }
         if !self.enabled {
             return true;
         }
-        let speed = self.speed * axis.dynamics.speed;
-        let change = self.acceleration * axis.dynamics.acceleration.max(axis.dynamics.deceleration) * period;
-        // Rounding of positions far from 0.
-        let rounding = COMMAND_SHARE * position.abs().max(speed * period);
-        if step.abs() > speed * period + rounding || next.velocity.abs() > speed {
-            return false;
+        let allowed = self.step(axis, period);
+        allowed.allows_speed(step, last, next)
+            && (allowed.allows_change(step, last, next) || axis.is_driven_home() || follows())
+    }
+
+    fn step(&self, axis: &Axis, period: f64) -> Step {
+        Step {
+            speed: self.speed * axis.dynamics.speed,
+            change: self.acceleration * axis.dynamics.acceleration.max(axis.dynamics.deceleration) * period,
+            period,
         }
-        // Beside the mean of the velocities at both ends, an acceleration of at most a moves an axis by at most a t^2 / 4, and a velocity that
-        // changes at once by half of what it changes.
-        let changed = (next.velocity - velocity).abs();
-        let jump = (step - 0.5 * (velocity + next.velocity) * period).abs();
-        (changed <= change && jump <= (0.25 * change + 0.5 * changed) * period + rounding)
-            || axis.is_driven_home()
-            || follows()
     }
 }
 

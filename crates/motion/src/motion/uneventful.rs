@@ -5,13 +5,14 @@
 //! does not look for events that cannot come, and the status that only shows is left to the next tick that [`Motion::begin`] begins. Any change
 //! ends it: of a phase, of a move, of the feedback. Nothing allocates. Units: position units, seconds.
 
-use arcline_drive::{Drives, SetPoint};
+use arcline_drive::{Drives, Feedback, SetPoint};
 use arcline_instruction_set::{AxisId, SystemId};
 use arcline_planner::geometry::Point;
 use arcline_planner::{Clock, Course, Instant};
 use arcline_profile::{KinematicState, ProfileSegment};
 
 use super::Motion;
+use super::command_limits::Step;
 use crate::axis::Axis;
 use crate::axis::generator::{Equation, Generator};
 use crate::axis::generator_kind::GeneratorKind;
@@ -25,6 +26,10 @@ pub(super) struct Uneventful {
     courses: Vec<MovingSystem>,
     axes: Vec<AwakeAxis>,
     ids: Vec<AxisId>,
+    /// The drives of these axes are exactly at their set-points: exchanges are left out.
+    are_exact: bool,
+    /// The number of exchanges left out since the last one.
+    left_out: u64,
 }
 
 /// A coordinate system that moves its axes.
@@ -47,6 +52,10 @@ struct AwakeAxis {
     /// The command of the present tick.
     command: KinematicState,
     redefined: f64,
+    /// The steps that its limits allow.
+    step: Option<Step>,
+    /// The set-point of the tick before the present one.
+    before: KinematicState,
     /// The actual position at the present tick.
     position: f64,
 }
@@ -73,6 +82,8 @@ impl Uneventful {
             courses: Vec::with_capacity(systems),
             axes: Vec::with_capacity(axes),
             ids: Vec::with_capacity(axes),
+            are_exact: false,
+            left_out: 0,
         }
     }
 
@@ -111,13 +122,44 @@ impl Uneventful {
         true
     }
 
-    fn write_set_points(&self, set_points: &mut [SetPoint]) {
-        for axis in &self.axes {
-            let (out, command) = (&mut set_points[axis.id.index()], axis.machine_command());
-            out.position = command.position;
-            out.velocity = command.velocity;
-            out.acceleration = command.acceleration;
+    fn write_set_points(&mut self, set_points: &mut [SetPoint]) {
+        for axis in &mut self.axes {
+            let out = &mut set_points[axis.id.index()];
+            axis.before = out.motion();
+            out.set_motion(axis.machine_command());
             out.stood = 0.0;
+        }
+    }
+
+    /// Exchanges the set-points of the present tick with the drives, or leaves it out.
+    fn exchange(&mut self, set_points: &[SetPoint], feedback: &mut [Feedback], drives: &mut dyn Drives) {
+        if self.are_exact {
+            self.left_out += 1;
+        } else {
+            drives.exchange_of(&self.ids, set_points, feedback);
+        }
+    }
+
+    /// Makes up for the exchanges that were left out: the last two of them.
+    fn make_up(&mut self, set_points: &mut [SetPoint], feedback: &mut [Feedback], drives: &mut dyn Drives) {
+        let left_out = std::mem::take(&mut self.left_out);
+        if left_out > 1 {
+            self.swap_set_points(set_points);
+            drives.exchange_of(&self.ids, set_points, feedback);
+            self.swap_set_points(set_points);
+        }
+        if left_out > 0 {
+            drives.exchange_of(&self.ids, set_points, feedback);
+        }
+    }
+
+    /// Swaps the set-points of the present tick and of the one before it.
+    fn swap_set_points(&mut self, set_points: &mut [SetPoint]) {
+        for axis in &mut self.axes {
+            let out = &mut set_points[axis.id.index()];
+            let present = out.motion();
+            out.set_motion(axis.before);
+            axis.before = present;
         }
     }
 }
@@ -141,27 +183,28 @@ impl Motion {
         for passed in 0..most {
             self.clock.tick = tick + passed;
             if !uneventful.advance(&self.clock) || !self.all_may_go_out(uneventful) {
-                self.stay_before(uneventful, tick, passed);
+                self.stay_before(uneventful, tick, passed, drives);
                 self.begin(tick + passed, drives);
                 return passed;
             }
             uneventful.write_set_points(&mut self.set_points);
-            drives.exchange_of(&uneventful.ids, &self.set_points, &mut self.feedback);
+            uneventful.exchange(&self.set_points, &mut self.feedback, drives);
             if !self.take_plain_feedback(uneventful) {
+                uneventful.make_up(&mut self.set_points, &mut self.feedback, drives);
                 self.controls.begin_tick(tick + passed);
                 self.set_commands(uneventful);
                 self.take_feedback(true, drives);
                 return passed;
             }
         }
-        self.stay_before(uneventful, tick, most);
+        self.stay_before(uneventful, tick, most, drives);
         self.begin(tick + most, drives);
         most
     }
 
     /// Fills `uneventful` for the ticks from the next one on. False: something may happen in it. Valid at the end of a tick.
     fn fill(&self, uneventful: &mut Uneventful, drives: &dyn Drives) -> bool {
-        let Uneventful { courses, axes, ids } = uneventful;
+        let Uneventful { courses, axes, ids, .. } = uneventful;
         courses.clear();
         axes.clear();
         ids.clear();
@@ -197,11 +240,21 @@ impl Motion {
                 shift: generator.map_or(0.0, Generator::shift),
                 command: axis.command,
                 redefined: axis.redefined,
+                step: self.step(id),
+                before: KinematicState::default(),
                 position: axis.actual.position,
             });
             ids.push(id);
         }
-        drives.rest_but(ids)
+        uneventful.are_exact = self.follow_exactly(&uneventful.ids, drives);
+        drives.rest_but(&uneventful.ids)
+    }
+
+    /// The drives of these axes are exactly at their set-points as long as nothing happens.
+    fn follow_exactly(&self, axes: &[AxisId], drives: &dyn Drives) -> bool {
+        let is_armed = |set_point: &SetPoint| set_point.latches.iter().any(Option::is_some);
+        let mut set_points = axes.iter().map(|id| &self.set_points[id.index()]);
+        drives.follow_exactly(axes) && !set_points.any(is_armed)
     }
 
     /// No instruction, transform, follower or output cam is under way besides moves.
@@ -258,7 +311,8 @@ impl Motion {
         uneventful.axes.iter().all(|axis| {
             let next = axis.machine_command();
             let last = &self.set_points[axis.id.index()];
-            (next.position == last.position && next.velocity == last.velocity) || self.may_go_out(axis.id, &next)
+            let stands = next.position == last.position && next.velocity == last.velocity;
+            stands || axis.step.is_some_and(|step| step.allows(last, &next)) || self.may_go_out(axis.id, &next)
         })
     }
 
@@ -267,7 +321,13 @@ impl Motion {
         for axis in &mut uneventful.axes {
             let id = axis.id.index();
             let (feedback, sent) = (&self.feedback[id], &self.set_points[id]);
-            match self.axes[axis.id].plain_position(feedback, sent, axis.command.position) {
+            let followed = &self.axes[axis.id];
+            let position = if uneventful.are_exact {
+                followed.plain_exact_position(axis.command.position)
+            } else {
+                followed.plain_position(feedback, sent, axis.command.position)
+            };
+            match position {
                 Some(position) => axis.position = position,
                 None => return false,
             }
@@ -279,10 +339,11 @@ impl Motion {
     }
 
     /// Writes the commands and the feedback of the last of the passed ticks back to the axes: their state is then that at its end.
-    fn stay_before(&mut self, uneventful: &mut Uneventful, tick: u64, passed: u64) {
+    fn stay_before(&mut self, uneventful: &mut Uneventful, tick: u64, passed: u64, drives: &mut dyn Drives) {
         if passed == 0 {
             return;
         }
+        uneventful.make_up(&mut self.set_points, &mut self.feedback, drives);
         self.clock.tick = tick + passed - 1;
         uneventful.advance(&self.clock);
         self.set_commands(uneventful);
