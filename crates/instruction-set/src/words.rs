@@ -28,7 +28,9 @@ pub struct Words {
 impl Words {
     /// The value of a word, if it is one of this enumeration, reserved ones included.
     pub fn parse_word(&self, text: &str) -> Option<i32> {
-        let is_text = |spelling: &str| compared(spelling).eq(compared(text));
+        let mut wanted = String::with_capacity(text.len());
+        wanted.extend(compared(text));
+        let is_text = |spelling: &str| compared(spelling).eq(wanted.chars());
         let mut all = self.words.iter().chain(self.reserved);
         all.find(|word| is_text(word.title) || word.keywords.iter().copied().any(is_text))
             .map(|word| word.value)

@@ -1,5 +1,7 @@
 //! From text to tokens, one at a time. Knows no keyword and no instruction.
 
+use std::borrow::Cow;
+
 use crate::error::{SyntaxError, SyntaxProblem};
 
 /// The kind of a token.
@@ -90,6 +92,7 @@ impl<'t> Lexer<'t> {
 
     fn skip_blanks(&mut self) -> Result<(), SyntaxError> {
         loop {
+            self.at += run_length(self.text.as_bytes(), self.at, |byte| byte == b' ');
             let rest = &self.text[self.at..];
             if rest.starts_with(|c: char| c.is_ascii_graphic() && !matches!(c, '/' | '(')) {
                 return Ok(());
@@ -128,14 +131,28 @@ fn sign_length(text: &[u8]) -> Option<usize> {
     }
 }
 
+/// The number of bytes from a place on that are of a kind.
+fn run_length(bytes: &[u8], from: usize, is_of_kind: impl Fn(u8) -> bool) -> usize {
+    let rest = bytes.get(from..).unwrap_or_default();
+    rest.iter().take_while(|byte| is_of_kind(**byte)).count()
+}
+
 fn name_length(text: &str) -> usize {
-    let part = |text: &str| {
-        text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '²' || c == '³'))
-            .unwrap_or(text.len())
+    let part = |from: usize| {
+        let mut end = from;
+        loop {
+            end += run_length(text.as_bytes(), end, |byte| {
+                byte.is_ascii_alphanumeric() || byte == b'_'
+            });
+            match text.get(end..).and_then(|rest| rest.chars().next()) {
+                Some(power @ ('²' | '³')) => end += power.len_utf8(),
+                _ => return end,
+            }
+        }
     };
-    let length = part(text);
+    let length = part(0);
     match text[length..].strip_prefix(':') {
-        Some(rest) if rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') => length + 1 + part(rest),
+        Some(rest) if rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') => part(length + 1),
         _ => length,
     }
 }
@@ -143,22 +160,10 @@ fn name_length(text: &str) -> usize {
 /// `12`, `1_000`, `1.5`, `100.`, `2.5e-3`, `16#FF`.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
-    let digits = |from: usize| {
-        let rest = bytes.get(from..).unwrap_or_default();
-        from + rest
-            .iter()
-            .take_while(|byte| byte.is_ascii_digit() || **byte == b'_')
-            .count()
-    };
+    let digits = |from: usize| from + run_length(bytes, from, |byte| byte.is_ascii_digit() || byte == b'_');
     let mut end = digits(0);
     if bytes.get(end) == Some(&b'#') {
-        let rest = bytes.get(end + 1..).unwrap_or_default();
-        return end
-            + 1
-            + rest
-                .iter()
-                .take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_')
-                .count();
+        return end + 1 + run_length(bytes, end + 1, |byte| byte.is_ascii_alphanumeric() || byte == b'_');
     }
     if bytes.get(end) == Some(&b'.') {
         end = digits(end + 1);
@@ -174,7 +179,11 @@ fn number_length(text: &str) -> usize {
 
 /// The value of a [`Kind::Number`] token; `None` when it has none.
 pub(crate) fn number(text: &str) -> Option<f64> {
-    let plain: String = text.chars().filter(|c| *c != '_').collect();
+    let plain = if text.contains('_') {
+        Cow::Owned(text.replace('_', ""))
+    } else {
+        Cow::Borrowed(text)
+    };
     match plain.split_once('#') {
         Some((radix, digits)) => {
             let radix: u32 = radix.parse().ok().filter(|radix| matches!(radix, 2 | 8 | 10 | 16))?;

@@ -76,7 +76,7 @@ impl<X: Clone> ProgramRun<X> {
             let request = match self.interpreter.resume(answer) {
                 Ok(request) => request,
                 Err(error) => {
-                    self.execute_series(driver).await?;
+                    self.execute_series(driver, false).await?;
                     let line = error.line + self.lines_before;
                     return Err(RuntimeError { line, ..error }.into());
                 }
@@ -84,8 +84,9 @@ impl<X: Clone> ProgramRun<X> {
             let line = self.line();
             let at = |error| RunError::Driver { line, error };
             let is_full = self.series.len() >= driver.longest_series();
-            if is_full || !self.joins_series(driver, &request) || !driver.try_turn(line) {
-                self.execute_series(driver).await?;
+            let goes_on = self.joins_series(driver, &request) && driver.try_turn(line);
+            if is_full || !goes_on {
+                self.execute_series(driver, goes_on).await?;
             }
             if request != Request::End {
                 driver.turn(line).await.map_err(at)?;
@@ -171,9 +172,14 @@ impl<X: Clone> ProgramRun<X> {
             && call.mnemonic.instruction().joins_series(&call.operands)
     }
 
-    /// Executes the moves that the program has called; waits where a queue has no room.
-    async fn execute_series<D: Driver<Execution = X>>(&mut self, driver: &mut D) -> Result<(), RunError<D::Error>> {
-        let series = std::mem::take(&mut self.series);
+    /// Executes the moves that the program has called; waits where a queue has no room. `goes_on`: another move follows. Then the last ones wait for it
+    /// if they are fewer than the driver takes at once.
+    async fn execute_series<D: Driver<Execution = X>>(
+        &mut self,
+        driver: &mut D,
+        goes_on: bool,
+    ) -> Result<(), RunError<D::Error>> {
+        let mut series = std::mem::take(&mut self.series);
         let (mut left, mut most) = (series.as_slice(), usize::MAX);
         while let Some(first) = left.first() {
             let at = |error| RunError::Driver {
@@ -195,6 +201,7 @@ impl<X: Clone> ProgramRun<X> {
                     self.pause(driver, next.line, Pause::Queue { depth }).await?;
                     continue;
                 }
+                (MovesEnd::Sent, _) if goes_on && left.len() < count => break,
                 (_, _) => continue,
             };
             let (call, error) = failed;
@@ -203,8 +210,9 @@ impl<X: Clone> ProgramRun<X> {
             left = next;
         }
         // Its memory is used again.
+        let sent = series.len() - left.len();
+        series.drain(..sent);
         self.series = series;
-        self.series.clear();
         Ok(())
     }
 

@@ -578,16 +578,22 @@ async fn pump(plant: Weak<Shared>) {
             state.flush();
             state.is_busy()
         };
-        let sent = plant.sent.notified();
-        let pause = if busy { PAUSE_BUSY } else { PAUSE_IDLE };
-        // A command does not wait for the end of an idle pause.
-        let _ = tokio::time::timeout(pause, sent).await;
+        if busy {
+            let pause = Duration::from_nanos(plant.machine.period_ns / 4).clamp(LEAST_PAUSE_BUSY, LONGEST_PAUSE_BUSY);
+            // The timers of the runtime are a millisecond coarse: a client that waits for each answer would send for one tick in three.
+            let _ = tokio::task::spawn_blocking(move || std::thread::sleep(pause)).await;
+        } else {
+            // A command does not wait for the end of the pause.
+            let _ = tokio::time::timeout(PAUSE_IDLE, plant.sent.notified()).await;
+        }
     }
 }
 
 /// Longest wait for DN, ER or IP.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
-const PAUSE_BUSY: Duration = Duration::from_millis(1);
+/// The time between two looks for answers: a quarter of a tick within these bounds.
+const LEAST_PAUSE_BUSY: Duration = Duration::from_micros(100);
+const LONGEST_PAUSE_BUSY: Duration = Duration::from_millis(1);
 const PAUSE_IDLE: Duration = Duration::from_millis(10);
 
 #[cfg(test)]

@@ -186,15 +186,19 @@ impl<'t> Parser<'t> {
     fn word_operand(&mut self, mnemonic: Mnemonic, place: usize, words: &'static Words) -> Result<(), SyntaxError> {
         /// `% of Time Master Driven` is the longest word there is, in tokens.
         const LONGEST: usize = 8;
+        /// Memory for most words.
+        const LONGEST_BYTES: usize = 32;
         let start = self.peek;
         let (mut lexer, mut token) = (self.lexer, self.peek);
-        let mut text = String::new();
+        let mut text = String::with_capacity(LONGEST_BYTES);
         let mut count = 0;
+        let mut end = self.last_end;
         while count <= LONGEST
             && (matches!(token.kind, Kind::Name | Kind::Number) || ["%", "-", "/"].iter().any(|sign| token.is(sign)))
         {
             text.push_str(token.text);
             count += 1;
+            end = token.offset + token.text.len();
             token = lexer.next()?;
         }
         let named = text.contains(|c: char| c.is_ascii_alphabetic());
@@ -202,9 +206,7 @@ impl<'t> Parser<'t> {
             && (token.is(",") || token.is(")"))
             && let Some(value) = words.parse_word(&text)
         {
-            for _ in 0..count {
-                self.advance()?;
-            }
+            (self.lexer, self.peek, self.last_end) = (lexer, token, end);
             self.emit(Op::Number(value.into()));
             self.emit(Op::OperandNumber);
             return Ok(());

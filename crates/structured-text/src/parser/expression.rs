@@ -99,6 +99,10 @@ impl Parser<'_> {
 
 /// The operator and how tightly it binds (IEC 61131-3, table of operators).
 fn operator(token: &Token<'_>) -> Option<(Binary, u8)> {
+    // Most expressions are an operand and end here.
+    if matches!(token.text, "," | ")" | "]" | ";") {
+        return None;
+    }
     let found = OPERATORS.iter().find(|(text, ..)| match token.kind {
         Kind::Sign => token.text == *text,
         Kind::Name => token.text.eq_ignore_ascii_case(text),
