@@ -97,7 +97,7 @@ fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64) -> us
 }
 
 /// The number of moves of a stream to plan first; `None`: the moves form a whole contour.
-fn first_moves(moves: &[ContourMove], limits: &AxisLimits) -> Option<usize> {
+pub(crate) fn first_moves(moves: &[ContourMove], limits: &AxisLimits) -> Option<usize> {
     // The last known move ends in a stop, or at a corner without a tolerance.
     let is_whole = moves.last().is_none_or(|last| last.tolerance <= 0.0);
     let dense = || {

@@ -6,7 +6,7 @@ use arcline_contour::AxisLimits;
 use arcline_planner::geometry::{Path, Point};
 use arcline_planner::{ContourQueue, Move, Sample};
 use arcline_tests::random::{Random, is_long, seeds};
-use arcline_tests::streams::{Feed, Latency, Travelled, Wild, limits, travel};
+use arcline_tests::streams::{Feed, Latency, STREAMS, Travelled, Wild, limits, travel};
 
 const MOVES: usize = 200;
 const FEED: Feed = Feed {
@@ -61,6 +61,26 @@ fn a_stream_goes_on_from_a_low_pace_when_its_extension_is_not_found() {
         let told = travel(&wild.moves, wild.jerk, at_once, |_, _, sample| within.look(sample));
         assert!(told.not_found > 0, "seed {seed}: each extension is found");
         assert_eq!(told.unplanned, 0, "seed {seed}: {wild}");
+    }
+}
+
+/// Chords that are so short that the motion is nearly as fast as they are sent: its rest stays short, and each new corner comes late.
+#[test]
+fn dense_s_curves_that_are_sent_just_fast_enough_never_rest() {
+    let fine = STREAMS
+        .iter()
+        .find(|stream| stream.name == "fine")
+        .expect("a stream of the table");
+    let jerk = Some(100_000.0);
+    let moves = fine.moves(if is_long() { 4000 } else { 1000 }, jerk);
+    for per_tick in [5.0, 5.4, 5.8, 6.2, 6.6] {
+        let feed = Feed {
+            per_tick,
+            latency: Latency::Seconds(0.05),
+            ..FEED
+        };
+        let told = travel(&moves, jerk, feed, |_, _, _| {});
+        assert_eq!(told.unplanned, 0, "{per_tick} moves in a tick");
     }
 }
 

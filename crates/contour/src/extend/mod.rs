@@ -17,11 +17,11 @@ use std::ops::Range;
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::search::Search;
 use crate::extend::splice::{brakes_from, braking_time, splice};
-use crate::plan::{between_stops, is_dense};
+use crate::plan::{between_stops, first_moves, is_dense};
 use crate::section::Missed;
 use crate::solve::stages::Quality;
 use crate::solve::work::Budget;
-use crate::tuning::{SlowDown, TUNING};
+use crate::tuning::{Attempt, SlowDown, TUNING};
 use crate::{AxisLimits, ContourMove, Path, Trajectory};
 
 /// A trajectory in execution, and the moves with which its rest is planned.
@@ -92,7 +92,8 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     // The estimated time of the searches before.
     let spent = Cell::new(0.0);
     let patience = &TUNING.patience;
-    let (attempts, patience_of_smooth, far) = if left < TUNING.extend.short_s {
+    let is_short = left < TUNING.extend.short_s;
+    let (attempts, patience_of_smooth, far): (&[Attempt], _, _) = if is_short {
         (&TUNING.attempts.short, patience.smooth_short, TUNING.smooth.far_short)
     } else {
         (&TUNING.attempts.usual, patience.smooth, TUNING.smooth.far)
@@ -126,7 +127,18 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         found
     };
     let plan = |search, share, patience| plan_for(search, share, patience, 0.0);
-    let last = |search, share| plan_for(search, share, patience.last, patience.least_last_s);
+    // A long rest leaves time for another request; a short one is continued in any case, if there is time to plan from rest.
+    let at_its_end = || {
+        let is_in_time = left - spent.get() >= TUNING.extend.least_to_begin_s;
+        (is_short && is_in_time).then(|| from_its_end(request, old, moves))
+    };
+    let last = |search, share| {
+        if is_short {
+            at_its_end()
+        } else {
+            plan_for(search, share, patience.last, patience.least_last_s)
+        }
+    };
     let smooth = Search::Attempts(Quality::Smooth, attempts);
     let arcs = moves[begin..end]
         .iter()
@@ -141,14 +153,20 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
         let smoothly = is_chords.then(|| gently_and_few(patience.smooth)).flatten();
         smoothly
             .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle_alone))
-            .or_else(|| plan(smooth, TUNING.extend.less_share, patience_of_smooth))?
+            .or_else(|| plan(smooth, TUNING.extend.less_share, patience_of_smooth))
+            .or_else(at_its_end)?
     } else if is_chords {
-        plan(smooth, 1.0, patience_of_smooth)
-            .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth))
-            .or_else(|| plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle))
-            // A smooth curve cannot be left for evenly rounded corners in its course.
-            .or_else(sooner)
-            .or_else(|| gently_and_few(patience.gentle_and_few))
+        let found = plan(smooth, 1.0, patience_of_smooth)
+            .or_else(|| plan(Search::GentleAndSmooth, 1.0, patience.gentle_and_smooth));
+        // What a short rest leaves to the other searches is not enough for them.
+        let others = || {
+            plan(Search::Gentle, TUNING.gentle.ahead_share, patience.gentle)
+                // A smooth curve cannot be left for evenly rounded corners in its course.
+                .or_else(sooner)
+                .or_else(|| gently_and_few(patience.gentle_and_few))
+        };
+        found
+            .or_else(|| (!is_short).then(others).flatten())
             .or_else(|| last(smooth, 1.0))?
     } else {
         // Sharp corners of lines are faster when timing and shape are optimised together, which takes longest.
@@ -165,6 +183,21 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     };
     let count = extended.moves();
     Some(extended.planned_for(&moves[..count], limits))
+}
+
+/// The simplest extension of a running trajectory with `old` moves: it comes to rest at its end, and the first of the other moves continue from there
+/// at once.
+fn from_its_end(request: &ExtensionRequest<'_>, old: usize, moves: &[ContourMove]) -> Trajectory {
+    let &ExtensionRequest {
+        running,
+        passed,
+        limits,
+        now,
+        ..
+    } = request;
+    let others = &moves[old..];
+    let first = first_moves(others, limits).unwrap_or(others.len());
+    cut(running, now, running.duration(), passed, old).at_rest_then(&others[..first], limits)
 }
 
 /// `old`: the number of moves of the running trajectory.

@@ -152,7 +152,7 @@ fn nothing_new_and_too_late_are_refused() {
     let end = running.duration();
     for (why, passed, moves, now, earliest) in [
         ("no other move", 0, &moves[..1], 0.0, LEAD),
-        ("too late", 0, &moves[..], end - 0.01, end - 0.001),
+        ("too late", 0, &moves[..], end - 0.005, end - 0.001),
         ("at its end", 1, &moves[1..], end, end),
     ] {
         let request = ExtensionRequest {
@@ -164,5 +164,31 @@ fn nothing_new_and_too_late_are_refused() {
             earliest,
         };
         assert_eq!(extend(&request), None, "{why}");
+    }
+}
+
+#[test]
+fn a_short_rest_without_another_extension_is_continued_from_its_end() {
+    let legs = vec![(1.0, 0.02); 40];
+    for profile in PROFILES {
+        let moves = polyline(&legs, profile);
+        let limits = profile.limits();
+        let running = plan(&moves[..20], &limits);
+        let end = running.duration();
+        // No splice is possible any more.
+        let request = ExtensionRequest {
+            running: &running,
+            passed: 0,
+            moves: &moves,
+            limits: &limits,
+            now: end - 0.05,
+            earliest: end - 0.001,
+        };
+        let longer = extend(&request).expect("its end is a splice");
+        assert_eq!(longer.splice(), end);
+        assert_eq!(longer.at(end).velocity, Point::zeros());
+        assert_eq!(longer.at(end).position, running.at(end).position);
+        assert!(longer.moves() > 20 && longer.duration() > end);
+        check(&longer, &moves, (end - 0.05, longer.duration()), profile).expect("limits and tolerance are kept");
     }
 }
