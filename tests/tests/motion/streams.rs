@@ -65,13 +65,13 @@ fn run(each_tick: u32, chords: u32) -> (u64, u32) {
     began.expect("it moves")
 }
 
-/// A series brings 64 moves a tick: more than enough of them have come after 10 ms.
+/// A series brings 64 moves a tick. 64 moves do not wait for others, and here a plan comes in the tick of its request.
 #[test]
 fn the_first_move_of_a_fast_stream_starts_within_20_ms() {
-    for each_tick in [64, 16, 8] {
+    for (each_tick, most) in [(64, 3), (16, 6), (8, 10)] {
         let (ticks, sent) = run(each_tick, 1500);
         assert!(
-            ticks <= 20,
+            ticks <= most,
             "{each_tick} chords a tick: the first move starts after {ticks} ms, {sent} chords sent"
         );
     }

@@ -12,8 +12,8 @@ use super::pace::Pace;
 use super::run::{PlanRequest, RunState, RunningTrajectory, least};
 use super::tuning::{
     AMPLE_S, ENOUGH_MOVES, ENOUGH_S, FEW_MOVES, FEW_MOVES_LATER, GATHER_S, LATE_S, LEAST_BEGUN_S, LEAST_LEFT_S,
-    LEAST_PACE_SHARE, LONG_MOVE_S, LONGEST_GATHER_S, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S, PLANNING_MARGIN,
-    PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S, WAITING_PACE,
+    LEAST_PACE_SHARE, LONG_MOVE_S, LONGEST_GATHER_S, MANY_MOVES, MOST_PLANNING_S, MOST_PLANNING_SHARE, NEAR_S,
+    PLANNING_MARGIN, PLANNING_S, RETRY_ANEW_SHARE, RETRY_SHARE, SETTLED_S, UNCHANGED_S, WAITING_PACE,
 };
 use crate::{Clock, Ending, Move};
 
@@ -141,7 +141,8 @@ impl<T: Copy> ContourQueue<T> {
             return false;
         };
         let longer = self.is_late && waited < LONGEST_GATHER_S;
-        let suffice = self.moves.len() >= ENOUGH_MOVES && self.lasts(ENOUGH_S);
+        let count = self.moves.len();
+        let suffice = count >= MANY_MOVES || (count >= ENOUGH_MOVES && self.lasts(ENOUGH_S));
         (waited < GATHER_S && !suffice) || (longer && self.is_growing(time) && !self.lasts(LEAST_BEGUN_S))
     }
 
