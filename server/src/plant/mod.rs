@@ -197,7 +197,7 @@ impl Plant {
         if let Err(error) = plant.guard().spawn(Arc::downgrade(&plant.0)) {
             tracing::error!(%error, "no thread for stops: jogs of lost clients stop late");
         }
-        tokio::spawn(pump(Arc::downgrade(&plant.0)));
+        tokio::spawn(pump(Arc::downgrade(&plant.0), Looks::OnTime));
         Ok((plant, handle))
     }
 
@@ -212,7 +212,7 @@ impl Plant {
         let plant = Plant::beside(project, link, image, watch, wall);
         let (guard, shared) = (plant.guard().clone(), Arc::downgrade(&plant.0));
         tokio::spawn(async move { guard.run(&shared).await });
-        tokio::spawn(pump(Arc::downgrade(&plant.0)));
+        tokio::spawn(pump(Arc::downgrade(&plant.0), Looks::OnRuntime));
         plant
     }
 
@@ -569,7 +569,7 @@ impl Drop for Held<'_> {
 }
 
 /// Drains the rings as long as there is a handle of the plant.
-async fn pump(plant: Weak<Shared>) {
+async fn pump(plant: Weak<Shared>, looks: Looks) {
     loop {
         let Some(plant) = plant.upgrade() else { return };
         let busy = {
@@ -578,22 +578,34 @@ async fn pump(plant: Weak<Shared>) {
             state.flush();
             state.is_busy()
         };
-        if busy {
-            let pause = Duration::from_nanos(plant.machine.period_ns / 4).clamp(LEAST_PAUSE_BUSY, LONGEST_PAUSE_BUSY);
-            // The timers of the runtime are a millisecond coarse: a client that waits for each answer would send for one tick in three.
-            let _ = tokio::task::spawn_blocking(move || std::thread::sleep(pause)).await;
-        } else {
-            // A command does not wait for the end of the pause.
-            let _ = tokio::time::timeout(PAUSE_IDLE, plant.sent.notified()).await;
+        match looks {
+            Looks::OnTime if busy => {
+                let pause = Duration::from_nanos(plant.machine.period_ns / 4).clamp(LEAST_PAUSE_BUSY, PAUSE_BUSY);
+                let _ = tokio::task::spawn_blocking(move || std::thread::sleep(pause)).await;
+            }
+            Looks::OnTime | Looks::OnRuntime => {
+                let pause = if busy { PAUSE_BUSY } else { PAUSE_IDLE };
+                // A command does not wait for the end of an idle pause.
+                let _ = tokio::time::timeout(pause, plant.sent.notified()).await;
+            }
         }
     }
 }
 
+/// The pauses between two looks of [`pump`] for answers.
+#[derive(Clone, Copy, Debug)]
+enum Looks {
+    /// Of a quarter of a tick, by a thread: the timers of the runtime are a millisecond coarse, and a client that waits for each answer would send for one
+    /// tick in three.
+    OnTime,
+    /// By the timers of the runtime, whose clock may be virtual.
+    OnRuntime,
+}
+
 /// Longest wait for DN, ER or IP.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
-/// The time between two looks for answers: a quarter of a tick within these bounds.
 const LEAST_PAUSE_BUSY: Duration = Duration::from_micros(100);
-const LONGEST_PAUSE_BUSY: Duration = Duration::from_millis(1);
+const PAUSE_BUSY: Duration = Duration::from_millis(1);
 const PAUSE_IDLE: Duration = Duration::from_millis(10);
 
 #[cfg(test)]
