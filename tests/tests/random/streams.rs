@@ -48,15 +48,15 @@ fn a_late_plan_slows_a_stream_down_before_it_rests() {
     }
 }
 
-/// Extensions that are not found in time: the pace is lower until one from it is found, or the motion continues from its end. With neither, the first two
-/// streams rested.
+/// Extensions that are not found in time: the pace is lower until one from it is found, or the motion continues from its end. With neither, the second stream
+/// rested.
 #[test]
 fn a_stream_goes_on_when_its_extension_is_not_found() {
     let at_once = Feed {
         latency: Latency::None,
         ..FEED
     };
-    for seed in [128, 144, 314] {
+    for seed in [120, 144, 314] {
         let wild = Wild::new(seed, MOVES);
         let mut within = Within::new(&wild, seed);
         let told = travel(&wild.moves, wild.jerk, at_once, |_, _, sample| within.look(sample));
