@@ -19,6 +19,7 @@ mod counters;
 mod forces;
 mod io;
 mod log;
+mod looks;
 mod monitors;
 mod movers;
 mod moves;
@@ -69,6 +70,7 @@ use counters::{Counters, Requests};
 pub use forces::{Force, ForceError};
 pub use io::View;
 pub use log::{Change, ContourRest, Logged, RestCause};
+use looks::Looks;
 pub use movers::{Mover, Movers};
 pub use moves::{LiveMove, LiveMoves};
 pub use owned::LossOutcome;
@@ -578,35 +580,12 @@ async fn pump(plant: Weak<Shared>, looks: Looks) {
             state.flush();
             state.is_busy()
         };
-        match looks {
-            Looks::OnTime if busy => {
-                let pause = Duration::from_nanos(plant.machine.period_ns / 4).clamp(LEAST_PAUSE_BUSY, PAUSE_BUSY);
-                let _ = tokio::task::spawn_blocking(move || std::thread::sleep(pause)).await;
-            }
-            Looks::OnTime | Looks::OnRuntime => {
-                let pause = if busy { PAUSE_BUSY } else { PAUSE_IDLE };
-                // A command does not wait for the end of an idle pause.
-                let _ = tokio::time::timeout(pause, plant.sent.notified()).await;
-            }
-        }
+        looks.pause(busy, plant.machine.period_ns, &plant.sent).await;
     }
-}
-
-/// The pauses between two looks of [`pump`] for answers.
-#[derive(Clone, Copy, Debug)]
-enum Looks {
-    /// Of a quarter of a tick, by a thread: the timers of the runtime are a millisecond coarse, and a client that waits for each answer would send for one
-    /// tick in three.
-    OnTime,
-    /// By the timers of the runtime, whose clock may be virtual.
-    OnRuntime,
 }
 
 /// Longest wait for DN, ER or IP.
 pub const ANSWER_WITHIN: Duration = Duration::from_secs(5);
-const LEAST_PAUSE_BUSY: Duration = Duration::from_micros(100);
-const PAUSE_BUSY: Duration = Duration::from_millis(1);
-const PAUSE_IDLE: Duration = Duration::from_millis(10);
 
 #[cfg(test)]
 mod tests;
