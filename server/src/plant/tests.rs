@@ -356,7 +356,11 @@ async fn stop_inhibits_motion_until_it_is_released() {
     for way in ["the plant", "a command", "the tag"] {
         let began = write(&plant, &far);
         plant.complete(began).await.expect("no tag is retained");
-        assert_eq!(number(&plant, "Move1.ER"), 0.0, "{way}");
+        assert_eq!(
+            ["ER", "ERR"].map(|bit| number(&plant, &format!("Move1.{bit}"))),
+            [0.0, 0.0],
+            "{way}"
+        );
         match way {
             "the plant" => plant.inhibit(),
             "a command" => assert_eq!(plant.apply(CLIENT, Command::Inhibit).await, Ok(Outcome::Done)),
