@@ -7,7 +7,8 @@ use tokio::sync::Notify;
 /// The clock of the pauses.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Looks {
-    /// That of the computer: the timers of the runtime are a millisecond coarse, and a client that waits for each answer would send for one tick in three.
+    /// That of the computer, by a sleep on a thread of the runtime: its timers have a resolution of a millisecond, with which a client that waits for each
+    /// answer sends in one tick of three.
     OnTime,
     /// That of the runtime, which may be virtual.
     OnRuntime,
