@@ -391,7 +391,7 @@ impl<'a> Section<'a> {
             times,
             control,
             &self.bounds,
-            (&roundings, self.allowance.node_s()),
+            (&roundings, self.allowance.spacing()),
             warp,
         );
         project(&self.reference, &mut fresh);

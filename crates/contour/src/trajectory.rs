@@ -32,6 +32,8 @@ pub struct Trajectory {
     pub(crate) least: Rates,
     pub(crate) axes: AxisLimits,
     pub(crate) most: Peaks,
+    /// The instant at which it begins to slow down for its end, seconds; set when it is finished.
+    pub(crate) brakes_from: f64,
     /// Lengths of the curve from its first knot to each of them; set when it is finished.
     pub(crate) arc_lengths: Vec<f64>,
 }
@@ -149,6 +151,7 @@ impl Trajectory {
                 jerk: None,
             },
             most: Peaks::NONE,
+            brakes_from: 0.0,
             arc_lengths: Vec::new(),
         }
     }
@@ -165,6 +168,7 @@ impl Trajectory {
         self.least = self.rates.iter().fold(Rates::UNLIMITED, Rates::least);
         self.axes = *axes;
         self.most = self.measured();
+        self.brakes_from = self.last_braking();
         self.arc_lengths = self.measure_arc_lengths();
         self
     }
@@ -183,6 +187,7 @@ impl Trajectory {
         Trajectory {
             move_ends: self.move_ends.iter().map(|end| end.map(|time| time / pace)).collect(),
             end: self.end,
+            brakes_from: self.brakes_from / pace,
             ..Trajectory::of(self.knots.iter().map(knot).collect())
         }
     }
@@ -273,6 +278,12 @@ impl Trajectory {
         self.splice
     }
 
+    /// The instant at which it begins to slow down for its end, seconds.
+    #[must_use]
+    pub fn brakes_from(&self) -> f64 {
+        self.brakes_from
+    }
+
     /// The number of planned moves.
     #[must_use]
     pub fn moves(&self) -> usize {
@@ -289,6 +300,12 @@ impl Trajectory {
     #[must_use]
     pub fn peaks(&self) -> Peaks {
         self.most
+    }
+
+    fn last_braking(&self) -> f64 {
+        let slows = |knot: &&Knot| knot.state.velocity.dot(&knot.state.acceleration) <= 0.0;
+        let slowing = self.knots.iter().rev().take_while(slows);
+        slowing.last().map_or(self.duration(), |knot| knot.time)
     }
 
     fn measured(&self) -> Peaks {

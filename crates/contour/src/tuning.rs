@@ -150,6 +150,14 @@ constants! {
         /// Nodes 2 ms apart with the shape found before the timing, against both found at once: +0.3 % (surface), +0.5 % (raster), flower and cone3d
         /// as before, at 15 to 30 ms for 1,000 chords instead of 300 to 4,000. Other distances are not measured.
         node_s: f64 = 0.002,
+        /// The same where no corner is farther than this number of tolerances from an arc through the middles of its chords. 0.0025 instead: 8 to 25 % more steps
+        /// of nodes, the motion of 11 streams 0.05 % shorter. 0.004: S-curves of `surf1` (0.1 mm at 300 mm/s, 0.005 mm) 13 % slower. Everywhere: `coarse` with
+        /// S-curves 25 s, not 12.6. Up to 0.23 tolerances: `surface` at 300 mm/s took more repairs.
+        flat_node_s: f64 = 0.003,
+        flat: f64 = 0.2,
+        /// The least number of nodes of a whole motion. 160, as of others: `fine` with S-curves 1.44 times the steps of nodes and 6 % more time of motion, with
+        /// trapezoids 1.3 times; 90: no difference.
+        least_nodes: f64 = 60.0,
         /// Length of the pieces beside a joint, as a share of the way between two nodes, and the roughness of the joint (difference of unit vectors) from
         /// which on the curve is held inside the corridor there too.
         /// Never: `rough` with trapezoids 0.8 of the motion instead of 0.13; for every joint that turns: `coarse` with trapezoids 0.053 instead of 0.03.
@@ -301,7 +309,7 @@ constants! {
         begun: f64 = 200.0,
         /// Factor of the weight of the time from one to the next.
         /// 10: +0.07 %, 8 % less work.
-        factor: f64 = 5.0,
+        factor: f64 = 2.5,
         /// Excess of a continuation after a repair up to which it may still come inside.
         /// More continues repairs that do not come inside, less gives up some that would. Not measured.
         hopeless: f64 = 1.2,
@@ -411,6 +419,8 @@ constants! {
         /// Share of the expected decrease that a step must reach.
         /// The usual value of a search along a line (Armijo); more refuses more steps. Not measured.
         sufficient: f64 = 1e-4,
+        /// Steps for each weight but the first and the last: along the curve of the optima, which need not be reached on the way.
+        steps_between: usize = 2,
         /// Relative lift of the matrix's diagonal.
         /// More makes the steps shorter, less may leave a pivot without digits. Not measured.
         lift: f64 = 1e-9,
@@ -458,6 +468,9 @@ constants! {
         /// Further steps for each weight in which relaxed limits close in.
         /// 12: no difference here.
         most_closing: usize = 24,
+        /// Steps in which the room of the most relaxed limit must shrink by this share.
+        stalled_steps: usize = 8,
+        stalled_share: f64 = 0.05,
         /// Room for an exceeded limit, and the least of it, as shares of the quotient.
         /// More room makes the first steps longer, less closes in sooner. Not measured.
         widen_share: f64 = 0.3,

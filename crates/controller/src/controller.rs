@@ -420,6 +420,11 @@ impl Controller {
         self.motion.has_room(call)
     }
 
+    /// The queue of a coordinate system has room for another move.
+    pub fn has_place(&self, system: Option<u16>) -> bool {
+        self.motion.has_place(system)
+    }
+
     /// No motion is under way that would end on its own.
     pub fn at_rest(&self) -> bool {
         self.motion.at_rest()

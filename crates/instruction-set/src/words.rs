@@ -30,7 +30,10 @@ impl Words {
     pub fn parse_word(&self, text: &str) -> Option<i32> {
         let mut wanted = String::with_capacity(text.len());
         wanted.extend(compared(text));
-        let is_text = |spelling: &str| compared(spelling).eq(wanted.chars());
+        let first = wanted.bytes().next();
+        // Most words differ in their first character, which counts and is ASCII in every spelling.
+        let begins_alike = |spelling: &str| spelling.bytes().next().map(|byte| byte.to_ascii_lowercase()) == first;
+        let is_text = |spelling: &str| begins_alike(spelling) && compared(spelling).eq(wanted.chars());
         let mut all = self.words.iter().chain(self.reserved);
         all.find(|word| is_text(word.title) || word.keywords.iter().copied().any(is_text))
             .map(|word| word.value)

@@ -12,7 +12,7 @@ use std::task::{Context, Poll, Waker};
 
 use arcline_controller::image::TagKind;
 use arcline_controller::{Ticket, UNNAMED};
-use arcline_instruction_set::{Call, ControlSlot, Directory as _, Flag, MotionControl, bind};
+use arcline_instruction_set::{Call, ControlSlot, Directory as _, Flag, MotionControl, Object, bind};
 use arcline_structured_text::{
     Called, Calls, Driver, EvaluatedCall, ObjectAttribute, OnError, Outcome, Pause, Policy, ProgramRun, Progress,
     Reading, RunError, Stopped, unmade_control,
@@ -333,6 +333,11 @@ impl Driver for ProgramDriver {
 
     async fn has_room(&mut self, call: &EvaluatedCall) -> Result<bool, Refused> {
         self.with(|simulation| {
+            let system = simulation.image().object(Object::CoordinateSystem, &call.target);
+            if simulation.controller().has_place(system) {
+                return Ok(true);
+            }
+            // One that merges needs none.
             let call = bound(simulation, call)?;
             Ok(simulation.controller().has_room(&call))
         })

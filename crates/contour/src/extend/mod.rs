@@ -16,7 +16,7 @@ use std::ops::Range;
 
 use crate::extend::continuation::{Continuation, cut, leave_at};
 use crate::extend::search::Search;
-use crate::extend::splice::{brakes_from, braking_time, splice};
+use crate::extend::splice::{braking_time, splice};
 use crate::plan::{between_stops, first_moves, is_dense};
 use crate::section::Missed;
 use crate::solve::stages::Quality;
@@ -239,7 +239,7 @@ fn extended(
         if is_slowed {
             return soonest..soonest + TUNING.gentle.before_s;
         }
-        let brakes = brakes_from(running);
+        let brakes = running.brakes_from();
         let first = match search {
             Search::GentleSooner => soonest,
             _ => soonest.max(brakes - TUNING.gentle.before_s),

@@ -2,7 +2,6 @@
 
 use crate::limits::{MoveLimits, Smoothness};
 use crate::path::reference::nearest;
-use crate::trajectory::Knot;
 use crate::tuning::TUNING;
 use crate::{AxisLimits, ContourMove, Trajectory};
 
@@ -77,11 +76,4 @@ pub(crate) fn braking_time(last: &ContourMove, limits: &AxisLimits) -> f64 {
     } else {
         2.0 * (speed / jerk).sqrt()
     }
-}
-
-/// The instant at which a motion begins to slow down for its end, seconds.
-pub(crate) fn brakes_from(running: &Trajectory) -> f64 {
-    let slows = |knot: &&Knot| knot.state.velocity.dot(&knot.state.acceleration) <= 0.0;
-    let slowing = running.knots.iter().rev().take_while(slows);
-    slowing.last().map_or(running.duration(), |knot| knot.time)
 }

@@ -110,7 +110,7 @@ fn spread(section: &Section<'_>, route: &[RoutePoint], running_knots: Vec<f64>, 
             busy,
             fine,
             pieces,
-            node_s: section.allowance.node_s(),
+            spacing: section.allowance.spacing(),
         },
     )
 }
@@ -118,7 +118,7 @@ fn spread(section: &Section<'_>, route: &[RoutePoint], running_knots: Vec<f64>, 
 /// The knots of the running motion from one span before the splice until the warm start leaves it, with long spans divided.
 /// On these knots the followed curve is a spline, so it keeps its limits to the last bit.
 pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
-    let most_span = TUNING.warm_start.most_span_nodes * section.allowance.node_s();
+    let most_span = TUNING.warm_start.most_span_nodes * section.allowance.spacing().node_s;
     let own = &running.trajectory.knots;
     let first = own.partition_point(|knot| knot.time <= running.splice);
     let inner = own[first..]
@@ -138,7 +138,7 @@ pub(crate) fn knots(section: &Section<'_>, running: Running<'_>) -> Vec<f64> {
     }
     while times.len() < GIVEN + 2 {
         let last = times[times.len() - 1];
-        times.push(last + section.allowance.node_s());
+        times.push(last + section.allowance.spacing().node_s);
     }
     times.insert(0, -times[1]);
     times

@@ -6,6 +6,7 @@ use crate::limits::Smoothness;
 use crate::path::reach::{MOST_REACH_TOLERANCES, most_reach};
 use crate::path::reference::{ReferencePath, along, nearest};
 use crate::solve::stages::Quality;
+use crate::timing::grid::Spacing;
 use crate::tolerance::{BESIDE_SHARE, COLLINEAR_RAD};
 use crate::tuning::TUNING;
 use crate::{Deviation, Point};
@@ -32,6 +33,7 @@ pub(crate) struct Allowance {
     start: SectionStart,
     /// The plan for which it is.
     quality: Quality,
+    spacing: Spacing,
 }
 
 impl Allowance {
@@ -55,6 +57,7 @@ impl Allowance {
             .map(|(deviation, chord)| chord || deviation == Deviation::Anywhere);
         Allowance {
             anywhere: anywhere.collect(),
+            spacing: spacing(reference, &tolerances, quality),
             tolerances,
             reaches,
             start,
@@ -62,12 +65,9 @@ impl Allowance {
         }
     }
 
-    /// Seconds between two nodes where the motion changes much.
-    pub(crate) fn node_s(&self) -> f64 {
-        match self.quality {
-            Quality::Smooth => TUNING.smooth.node_s,
-            Quality::TimingOnly | Quality::Full => TUNING.grid.node_s,
-        }
+    /// The distance of two nodes where the motion changes much.
+    pub(crate) fn spacing(&self) -> Spacing {
+        self.spacing
     }
 
     /// The least tolerance of all corners.
@@ -226,10 +226,11 @@ impl Allowance {
     }
 
     /// The distance of a curve point from the reference path as a share of the permitted deviation at its piece and arc length `s`. 0 without a
-    /// permitted deviation.
-    pub(crate) fn used(&self, reference: &ReferencePath, q: &Point, piece: usize, s: f64) -> f64 {
+    /// permitted deviation. `near`: a piece near the point, which becomes the nearest one.
+    pub(crate) fn used(&self, reference: &ReferencePath, q: &Point, (piece, s): (usize, f64), near: &mut usize) -> f64 {
         let tolerance = self.tolerance(reference, piece, s);
-        let (foot, _) = reference.foot(q, piece);
+        let foot;
+        (foot, *near) = reference.foot(q, *near);
         let off = (foot - q).norm();
         if tolerance <= 0.0 {
             return 0.0;
@@ -254,6 +255,31 @@ pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
     next.map_or(0.0, |next| {
         (next.start_tangent() - reference.pieces[piece].end_tangent()).norm()
     })
+}
+
+/// Nodes are farther apart on a smooth curve of chords that are far shorter than their tolerance requires.
+fn spacing(reference: &ReferencePath, tolerances: &[f64], quality: Quality) -> Spacing {
+    if quality != Quality::Smooth {
+        return Spacing {
+            node_s: TUNING.grid.node_s,
+            least_nodes: TUNING.grid.least_nodes,
+        };
+    }
+    let lengths = reference
+        .pieces
+        .windows(2)
+        .map(|pair| pair[0].length().min(pair[1].length()));
+    // The distance of a corner from an arc through the middles of its pieces, in tolerances.
+    let bend = |(piece, shorter): (usize, f64)| shorter * turn(reference, piece) / (8.0 * tolerances[piece]);
+    let is_flat = lengths.enumerate().map(bend).all(|bend| bend <= TUNING.smooth.flat);
+    Spacing {
+        node_s: if is_flat {
+            TUNING.smooth.flat_node_s
+        } else {
+            TUNING.smooth.node_s
+        },
+        least_nodes: TUNING.smooth.least_nodes,
+    }
 }
 
 /// The pieces that are chords of a curve: short lines between corners so flat that an arc with the same change of direction would be within

@@ -64,9 +64,10 @@ impl ToleranceMargin {
             let piece = reference.piece_at(s);
             let next = trajectory.knots[knot + 1].time;
             let at = |time: f64| trajectory.at(time).position;
-            let used = |time: f64| allowance.used(reference, &at(time), piece, s);
+            let mut near = piece;
+            let mut used = |time: f64| allowance.used(reference, &at(time), (piece, s), &mut near);
             let from = trajectory.knots[knot].time;
-            let mut most = most_between(from, next, allowance, used);
+            let mut most = most_between(from, next, allowance, &mut used);
             while let Some(edge) = edges.next_if(|&edge| edge < next) {
                 most = most.max(used(edge));
             }
@@ -103,7 +104,7 @@ impl ToleranceMargin {
 }
 
 /// The largest quotient by `used` from one instant until another.
-fn most_between(from: f64, until: f64, allowance: &Allowance, used: impl Fn(f64) -> f64) -> f64 {
+fn most_between(from: f64, until: f64, allowance: &Allowance, mut used: impl FnMut(f64) -> f64) -> f64 {
     let mut most = 0.0_f64;
     let step = (until - from) / PARTS as f64;
     let mut parts = [0.0; PARTS + 1];

@@ -44,10 +44,11 @@ pub(crate) fn smooth(
         }
     }
     let rate = |bound: &MoveLimits| bound.axes.acceleration.min().min(bound.norm_acceleration());
+    let node_s = allowance.spacing().node_s;
     let least = bounds.iter().map(rate).fold(f64::INFINITY, f64::min);
-    let third = least * TUNING.smooth.node_s.powi(3) / TUNING.smooth.jerk_s;
+    let third = least * node_s.powi(3) / TUNING.smooth.jerk_s;
     let stiffness = TUNING.smooth.stiffness / (third * third);
-    let thirds = thirds(control);
+    let thirds = thirds(control, node_s);
     let mut system = Springs::new(count);
     let mut lengths = vec![1.0; count];
     let mut wanted = vec![1.0; count];
@@ -208,11 +209,11 @@ fn roughness(reference: &ReferencePath, joint: usize) -> f64 {
 }
 
 /// Weights of four nodes whose sum is the jerk times the root of its duration, in units of the usual time between two nodes.
-fn thirds(control: &ControlPoints) -> Vec<[f64; 4]> {
+fn thirds(control: &ControlPoints, node_s: f64) -> Vec<[f64; 4]> {
     let mut time = 0.0;
     let knots: Vec<f64> = core::iter::once(0.0)
         .chain(control.spans.iter().map(|span| {
-            time += span / TUNING.smooth.node_s;
+            time += span / node_s;
             time
         }))
         .collect();

@@ -5,6 +5,7 @@ use crate::Point;
 use crate::path::corridor::CorridorRow;
 use crate::solve::banded::Banded;
 use crate::solve::derivatives::Quantity;
+use crate::solve::optimise::Weights;
 use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
 use crate::tuning::TUNING;
@@ -85,7 +86,7 @@ impl Problem<'_> {
     /// The Gauss-Newton matrix and the negative gradient.
     pub(crate) fn assemble(
         &self,
-        weight: f64,
+        weights: Weights,
         points: &[Point],
         spans: &[f64],
         matrix: &mut Banded,
@@ -95,8 +96,8 @@ impl Problem<'_> {
         matrix.clear();
         right.fill(0.0);
         for (i, &span) in spans.iter().enumerate() {
-            right[i * block] -= weight * span;
-            matrix.add(i * block, i * block, weight * span);
+            right[i * block] -= weights.gradient * span;
+            matrix.add(i * block, i * block, weights.matrix * span);
         }
         let mut local = Local {
             size: 5 * block,

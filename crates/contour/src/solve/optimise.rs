@@ -21,6 +21,38 @@ pub(crate) struct BarrierSchedule {
     pub(crate) steps: usize,
 }
 
+/// The weights of the time for one step. For the first step after an increase they differ: the matrix of the optimum for the lower weight gives the
+/// tangent of the curve on which all optima are, and the step along it ends near the next one (a predictor step). With the matrix of the new weight, the
+/// step would be as many times too long as the weight is larger.
+#[derive(Clone, Copy)]
+pub(crate) struct Weights {
+    pub(crate) matrix: f64,
+    pub(crate) gradient: f64,
+}
+
+impl Weights {
+    /// The length of the step in units of the matrix's own.
+    fn share(self) -> f64 {
+        self.matrix / self.gradient
+    }
+}
+
+/// How close relaxed limits have come to the full ones in the last steps.
+struct Closing {
+    /// The room of the most relaxed limit before each step, 0 to 1.
+    rooms: Vec<f64>,
+}
+
+impl Closing {
+    /// The limits hardly come closer.
+    fn is_stalled(&mut self, room: f64) -> bool {
+        let before = self.rooms.len().checked_sub(TUNING.relax.stalled_steps);
+        let is_stalled = before.is_some_and(|k| room > (1.0 - TUNING.relax.stalled_share) * self.rooms[k]);
+        self.rooms.push(room);
+        is_stalled
+    }
+}
+
 /// A motion within all limits.
 #[derive(Clone)]
 struct Iterate {
@@ -80,20 +112,35 @@ impl Problem<'_> {
         }
         self.close_in(&search.now);
         let mut weight = schedule.first;
-        while !work.is_done() {
+        let mut before = None;
+        let mut closing = Closing { rooms: Vec::new() };
+        'weights: while !work.is_done() {
             let mut value = self.value(weight, &search.now, &mut search.slack);
             if !value.is_finite() {
                 break;
             }
-            for step in 0..schedule.steps + TUNING.relax.most_closing {
+            let steps = if before.is_none() || weight >= schedule.last {
+                schedule.steps
+            } else {
+                TUNING.barrier.steps_between
+            };
+            for step in 0..steps + TUNING.relax.most_closing {
+                let is_relaxed = self.is_relaxed();
                 // A higher weight requires the full limits first.
-                if step >= schedule.steps && !self.is_relaxed() {
+                if step >= steps && !is_relaxed {
                     break;
+                }
+                if is_relaxed && closing.is_stalled(self.most_relaxed()) {
+                    break 'weights;
                 }
                 if self.close_in(&search.now) {
                     value = self.value(weight, &search.now, &mut search.slack);
                 }
-                let decrement = self.find_step(weight, &mut search);
+                let weights = Weights {
+                    matrix: before.filter(|_| step == 0 && !is_relaxed).unwrap_or(weight),
+                    gradient: weight,
+                };
+                let decrement = self.find_step(weights, &mut search);
                 work.visit(self.points.len());
                 let converged = -decrement < TUNING.barrier.converged * self.points.len() as f64;
                 if !decrement.is_finite() || (converged && !self.is_relaxed()) {
@@ -110,6 +157,7 @@ impl Problem<'_> {
             if weight >= schedule.last {
                 break;
             }
+            before = Some(weight);
             weight = (weight * schedule.factor).min(schedule.last);
         }
         self.points = search.now.points;
@@ -160,7 +208,7 @@ impl Problem<'_> {
     }
 
     /// The Gauss-Newton step of full length; returns its Newton decrement, below 0.
-    fn find_step(&self, weight: f64, search: &mut Search) -> f64 {
+    fn find_step(&self, weights: Weights, search: &mut Search) -> f64 {
         let Search {
             now,
             matrix,
@@ -170,13 +218,16 @@ impl Problem<'_> {
             ..
         } = search;
         if self.is_timing() {
-            self.assemble_timing(weight, &now.spans, band, step);
+            self.assemble_timing(weights, &now.spans, band, step);
             gradient.copy_from_slice(step);
             band.solve(step);
         } else {
-            self.assemble(weight, &now.points, &now.spans, matrix, step);
+            self.assemble(weights, &now.points, &now.spans, matrix, step);
             gradient.copy_from_slice(step);
             matrix.solve(step);
+        }
+        for part in step.iter_mut() {
+            *part *= weights.share();
         }
         -gradient.iter().zip(step.iter()).map(|(g, s)| g * s).sum::<f64>()
     }

@@ -121,6 +121,11 @@ impl Problem<'_> {
         true
     }
 
+    /// How far the most relaxed limit is from the full one: 0 to 1, as a share of the relaxed limit.
+    pub(crate) fn most_relaxed(&self) -> f64 {
+        1.0 - self.relaxed.iter().flatten().copied().fold(1.0, f64::min)
+    }
+
     pub(crate) fn is_relaxed(&self) -> bool {
         let full = |k: usize| if k < GIVEN + 2 { TUNING.relax.near_full } else { 1.0 };
         let mut relaxed = self.relaxed.iter().enumerate();

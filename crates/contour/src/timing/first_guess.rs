@@ -39,14 +39,13 @@ pub(crate) fn first_guess(
         .collect();
     let fine = allowance.roundings(reference, |s| warped(time_at(&samples, &profile, s)));
     let pieces = bounds.len();
-    let node_s = allowance.node_s();
     let grid = grid(
         warp.stretched(total),
         &Density {
             busy,
             fine,
             pieces,
-            node_s,
+            spacing: allowance.spacing(),
         },
     );
     let mut control = ControlPoints::from_rest(&grid);

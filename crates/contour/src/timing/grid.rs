@@ -10,6 +10,15 @@ pub(crate) fn sites(grid: &[f64]) -> impl Iterator<Item = f64> + '_ {
     })
 }
 
+/// The distance of two nodes in busy stretches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Spacing {
+    /// Seconds between two nodes.
+    pub(crate) node_s: f64,
+    /// The least number of nodes of a whole motion, for which they are closer.
+    pub(crate) least_nodes: f64,
+}
+
 /// The density of nodes.
 pub(crate) struct Density {
     /// Stretches of time in which the motion changes much, ascending.
@@ -18,8 +27,8 @@ pub(crate) struct Density {
     pub(crate) fine: Vec<(f64, f64)>,
     /// Pieces of the reference path.
     pub(crate) pieces: usize,
-    /// Seconds between two nodes in busy stretches.
-    pub(crate) node_s: f64,
+    /// In busy stretches.
+    pub(crate) spacing: Spacing,
 }
 
 impl Density {
@@ -30,10 +39,11 @@ impl Density {
         let beside = tuning.quiet_s * self.busy.len().min(tuning.most_quiet) as f64;
         // An arc is busy over its whole length; a corner needs few nodes.
         let most_busy = tuning.most_nodes_alone + tuning.most_nodes_each * self.pieces as f64;
-        self.node_s
+        let Spacing { node_s, least_nodes } = self.spacing;
+        node_s
             .max(busy / most_busy.min(tuning.most_nodes))
             .max((busy + beside).min(whole) / tuning.most_nodes)
-            .min(whole / tuning.least_nodes)
+            .min(whole / least_nodes)
     }
 }
 
@@ -79,7 +89,7 @@ pub(crate) fn grid(whole: f64, density: &Density) -> Vec<f64> {
 /// left out: in it the motion comes to rest.
 pub(crate) fn continued_grid(mut knots: Vec<f64>, whole: f64, density: &Density) -> Vec<f64> {
     let from = knots[knots.len() - 1];
-    let mut busy = vec![(0.0, density.node_s)];
+    let mut busy = vec![(0.0, density.spacing.node_s)];
     let later = density.busy.iter().filter(|(_, to)| *to > from);
     busy.extend(later.map(|(begin, end)| ((begin - from).max(0.0), end - from)));
     let ahead = density.fine.iter().filter(|(_, to)| *to > from);
@@ -87,7 +97,7 @@ pub(crate) fn continued_grid(mut knots: Vec<f64>, whole: f64, density: &Density)
         busy,
         fine: ahead.map(|(begin, end)| (begin - from, end - from)).collect(),
         pieces: density.pieces,
-        node_s: density.node_s,
+        spacing: density.spacing,
     };
     let behind = grid(whole - from, &ahead).into_iter().skip(1);
     knots.extend(behind.map(|time| time + from));

@@ -3,7 +3,7 @@
 use crate::limits::Smoothness;
 use crate::path::reference::{ReferencePath, along};
 use crate::timing::control_points::{ControlPoints, blossom};
-use crate::timing::grid::{Density, continued_grid, grid, sites};
+use crate::timing::grid::{Density, Spacing, continued_grid, grid, sites};
 use crate::timing::warp::Warp;
 use crate::tuning::TUNING;
 use crate::{MoveLimits, Point, Trajectory};
@@ -14,7 +14,7 @@ pub(crate) fn resample(
     times: &[f64],
     control: &ControlPoints,
     bounds: &[MoveLimits],
-    (fine, node_s): (&[(f64, f64)], f64),
+    (fine, spacing): (&[(f64, f64)], Spacing),
     smoothness: Smoothness,
 ) -> ControlPoints {
     let rate =
@@ -49,7 +49,7 @@ pub(crate) fn resample(
         busy,
         fine,
         pieces,
-        node_s,
+        spacing,
     };
     if control.initial.is_some() {
         return resample_continued(trajectory, times, control, &density, &warp);

@@ -90,10 +90,12 @@ impl Motion {
 
     /// The queue of its coordinate system has room for a coordinated move, or the move merges and needs none.
     pub fn has_room(&self, call: &Call) -> bool {
-        if !is_queued(call.mnemonic) || merges(call) {
-            return true;
-        }
-        let system = call.target.and_then(|index| self.systems.get(SystemId(index)));
+        !is_queued(call.mnemonic) || merges(call) || self.has_place(call.target)
+    }
+
+    /// The queue of a coordinate system has room for another move.
+    pub fn has_place(&self, system: Option<u16>) -> bool {
+        let system = system.and_then(|index| self.systems.get(SystemId(index)));
         system.is_none_or(|system| system.room() > 0)
     }
 }

@@ -210,8 +210,13 @@ impl<T: Copy> ContourQueue<T> {
         if slowed_retry.is_some() && is_slow {
             return Some(ask(Continues::Slowed(pace)));
         }
-        // With more time left, each extension takes more moves, as it plans the end of the trajectory anew.
-        let few = if left > AMPLE_S { FEW_MOVES_LATER } else { FEW_MOVES };
+        // While there is time, more moves are waited for: each extension plans the end of the trajectory anew.
+        let until_braking = run.trajectory.brakes_from() - now;
+        let few = if until_braking > AMPLE_S {
+            FEW_MOVES_LATER
+        } else {
+            FEW_MOVES
+        };
         let many = waiting * few >= planned;
         let near = (left <= NEAR_S || self.is_settled(time)) && !self.is_growing(time);
         (many || near).then(|| ask(Continues::AsPlanned))

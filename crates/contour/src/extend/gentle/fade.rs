@@ -56,7 +56,8 @@ impl Fade {
             let along = profile.at(u * self.duration);
             let point = speed_curve.moving(&along).position + self.at(u)[0];
             let progress = along.position.min(reference.length());
-            allowance.used(reference, &point, reference.piece_at(progress), progress)
+            let mut piece = reference.piece_at(progress);
+            allowance.used(reference, &point, (piece, progress), &mut piece)
         };
         (0..=TUNING.gentle.fade_samples).map(used).fold(0.0, f64::max)
     }

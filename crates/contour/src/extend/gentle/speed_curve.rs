@@ -161,7 +161,7 @@ impl<'a> SpeedCurve<'a> {
 
     /// Seconds between the nodes of a part of this duration.
     pub(super) fn step(&self, part: &SpeedCurvePart, lasts: f64) -> f64 {
-        let node_s = self.section.allowance.node_s();
+        let node_s = self.section.allowance.spacing().node_s;
         if part.nodes > 0.0 {
             node_s.min(lasts / part.nodes)
         } else {

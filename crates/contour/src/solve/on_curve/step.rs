@@ -2,6 +2,7 @@
 
 use super::{Band, Here};
 use crate::Point;
+use crate::solve::optimise::Weights;
 use crate::solve::problem::Problem;
 use crate::timing::control_points::GIVEN;
 use crate::tuning::TUNING;
@@ -109,12 +110,12 @@ impl Here {
 
 impl Problem<'_> {
     /// The matrix, and the negative gradient, for the timing alone.
-    pub(crate) fn assemble_timing(&self, weight: f64, spans: &[f64], matrix: &mut Band, right: &mut [f64]) {
+    pub(crate) fn assemble_timing(&self, weights: Weights, spans: &[f64], matrix: &mut Band, right: &mut [f64]) {
         matrix.clear();
         right.fill(0.0);
         for (i, &span) in spans.iter().enumerate() {
-            right[i] = -weight * span;
-            matrix.row(i)[0] = weight * span;
+            right[i] = -weights.gradient * span;
+            matrix.row(i)[0] = weights.matrix * span;
         }
         let n = self.intervals();
         let [first_velocity, first_acceleration, first_jerk] = self.firsts();
