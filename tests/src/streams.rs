@@ -413,6 +413,9 @@ pub fn travel(
     feed: Feed,
     mut look: impl FnMut(&mut ContourQueue<usize>, &Clock, Option<Sample>),
 ) -> Travelled {
+    /// Ticks of 1 ms for each move, and for all of them, within which every toolpath is travelled.
+    const LONGEST: [u64; 2] = [1_000, 100_000];
+    let longest = LONGEST[0] * moves.len() as u64 + LONGEST[1];
     let limits = limits(jerk);
     let mut clock = Clock::at(0, 1_000_000);
     let mut queue = ContourQueue::new(feed.depth);
@@ -479,7 +482,7 @@ pub fn travel(
         }
         let sample = queue.sample(&clock);
         look(&mut queue, &clock, sample);
-        assert!(clock.tick < 3_600_000, "the motion does not end");
+        assert!(clock.tick < longest, "the motion does not end");
     }
     told.began = began.unwrap_or(0) as f64 * 1e-3;
     told.motion = clock.tick as f64 * 1e-3 - told.began;
