@@ -100,6 +100,7 @@ fn data_type(source: &Source<'_>, node: Node<'_, '_>) -> Result<TypeSource, L5xE
             name: name(source, member)?,
             data_type: member.attribute("DataType").unwrap_or_default().to_owned(),
             dimensions: dimensions(member, "Dimension"),
+            access: access(member),
         });
     }
     Ok(TypeSource {
@@ -114,6 +115,7 @@ fn member(source: &Source<'_>, node: Node<'_, '_>) -> Result<MemberSource, L5xEr
         name: name(source, node)?,
         data_type: node.attribute("DataType").unwrap_or_default().to_owned(),
         dimensions: dimensions(node, "Dimensions"),
+        access: access(node),
     })
 }
 

@@ -98,6 +98,8 @@ pub struct MemberSource {
     pub data_type: String,
     /// Elements of each dimension; empty: no array.
     pub dimensions: Vec<u32>,
+    /// The access of clients.
+    pub access: Access,
 }
 
 /// An add-on instruction.
@@ -192,7 +194,7 @@ pub(crate) fn is_module(data_type: &str) -> bool {
     data_type.eq_ignore_ascii_case("MODULE")
 }
 
-/// The access of clients to a tag (`ExternalAccess`, `Constant`).
+/// The access of clients to a tag or member (`ExternalAccess`, `Constant`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Access {
     /// Read and write it.

@@ -7,7 +7,7 @@ use arcline_instruction_set::predefined;
 use arcline_tag::{DataType, Elementary, Member, TagType, Template, TemplateBuilder};
 
 use crate::expression::{Expression, Step};
-use crate::source::{MemberSource, Project, Usage};
+use crate::source::{Access, MemberSource, Project, Usage};
 
 /// The types by name in lower case.
 #[derive(Debug, Default)]
@@ -23,7 +23,16 @@ struct Pending<'p> {
     name: &'p str,
     members: Vec<&'p MemberSource>,
     /// Parameters that are aliases, and their targets.
-    aliases: Vec<(&'p str, &'p str)>,
+    aliases: Vec<(&'p MemberSource, &'p str)>,
+}
+
+impl Pending<'_> {
+    /// A parameter stands for a member, or for a part of it; its access counts for both.
+    fn has_alias_of(&self, member: &str) -> bool {
+        self.aliases
+            .iter()
+            .any(|(_, target)| root_of(target).eq_ignore_ascii_case(member))
+    }
 }
 
 impl Types {
@@ -60,7 +69,7 @@ impl Types {
             let members = members.collect();
             // Encoded content has no local tags that a parameter could stand for.
             let aliases = source.parameters.iter().filter(|_| !source.is_encoded);
-            let aliases = aliases.filter_map(|one| Some((one.member.name.as_str(), one.alias.as_deref()?)));
+            let aliases = aliases.filter_map(|one| Some((&one.member, one.alias.as_deref()?)));
             pending.insert(
                 source.name.to_ascii_lowercase(),
                 Pending {
@@ -120,6 +129,9 @@ impl Types {
                 }
                 _ => builder.array(&member.name, data_type, u16::try_from(count).unwrap_or(u16::MAX)),
             };
+            if member.access != Access::ReadWrite && !source.has_alias_of(&member.name) {
+                builder = builder.read_only();
+            }
         }
         self.next = self.next.saturating_add(1);
         let template = self.with_aliases(builder.build(), &source);
@@ -133,10 +145,11 @@ impl Types {
         // An alias may stand for another one.
         loop {
             let before = left.len();
-            left.retain(|(name, target)| match target_of(&all, &source.members, target) {
+            left.retain(|(parameter, target)| match target_of(&all, &source.members, target) {
                 Some(found) => {
                     all.members.push(Member {
-                        name: (*name).to_owned(),
+                        name: parameter.name.clone(),
+                        read_only: parameter.access != Access::ReadWrite,
                         ..found
                     });
                     false
@@ -147,14 +160,17 @@ impl Types {
                 break;
             }
         }
-        for (name, target) in left {
+        for (parameter, target) in left {
             // A local tag of an unknown type is named already.
-            let root = target.split(['.', '[']).next().unwrap_or(target);
+            let root = root_of(target);
             let is_left_out = all.member(root).is_none();
             if is_left_out && source.members.iter().any(|one| one.name.eq_ignore_ascii_case(root)) {
                 continue;
             }
-            let reason = format!("its parameter {name} is an alias of {target}, which it does not have");
+            let reason = format!(
+                "its parameter {} is an alias of {target}, which it does not have",
+                parameter.name
+            );
             self.wrong.push((source.name.to_owned(), reason));
         }
         if all.members.len() == template.members.len() {
@@ -166,7 +182,8 @@ impl Types {
                 Some(bit) => builder.bit_at(member.name, member.offset, bit),
                 None => builder.member_at(member.name, member.data_type, member.dimension, member.offset),
             };
-            if member.hidden { builder.hide() } else { builder }
+            let builder = if member.hidden { builder.hide() } else { builder };
+            if member.read_only { builder.read_only() } else { builder }
         };
         all.members.into_iter().fold(builder, add).build()
     }
@@ -208,6 +225,11 @@ impl Types {
     pub(crate) fn instance(&self) -> u16 {
         self.next
     }
+}
+
+/// The tag at the beginning of a path.
+fn root_of(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or(path)
 }
 
 /// The part of an instance that an alias stands for; `None`: there is none, or one of its subscripts is calculated.

@@ -3,7 +3,7 @@
 //! The global allocator ends the process when the guarded scan asks it for anything.
 
 use arcline_routine::source::{
-    Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
+    Access, Content, Datum, InstructionSource, MemberSource, ParameterSource, ProgramSource, Project, RoutineSource,
     RungSource, TagSource, TaskSource, Trigger, Usage,
 };
 use arcline_routine::{Cell, NoMachine, load};
@@ -46,6 +46,7 @@ fn project() -> Project {
             name: name.to_owned(),
             data_type: data_type.to_owned(),
             dimensions: Vec::new(),
+            access: Access::ReadWrite,
         },
         usage,
         is_required,

@@ -1,6 +1,7 @@
 //! The type of a tag, and where a path leads in its bytes.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::{DataType, Elementary, PathError, PathSegment};
 
@@ -66,6 +67,11 @@ impl TagType {
     /// A BOOL array as Logix keeps it: 32 to a DWORD. Clients address its DWORDs and pick the bit themselves.
     pub fn bool_array(bits: u32) -> Self {
         Self::array(Elementary::Dword, bits.div_ceil(32))
+    }
+
+    /// Clients cannot write one of these bits: of a single byte those of a mask, of several bytes all.
+    pub fn is_read_only(&self, bytes: &Range<usize>, mask: u8) -> bool {
+        self.data_type.is_read_only(self.elements() as usize, bytes, mask)
     }
 
     /// Number of dimensions, 0 to 3.

@@ -2,6 +2,7 @@
 //!
 //! Not here: tag instances, their writers, and the definition that a client uploads, which is `arcline-proto`'s. Offsets and sizes are bytes.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::{Elementary, STRING_HANDLE, STRING_SIZE, handle};
@@ -47,6 +48,21 @@ impl DataType {
             Self::Elementary(_) => 1,
             Self::Structure(template) => template.leaves(),
         }
+    }
+
+    /// Clients cannot write one of these bits of some elements: of a single byte those of a mask, of several bytes all.
+    pub(crate) fn is_read_only(&self, elements: usize, bytes: &Range<usize>, mask: u8) -> bool {
+        let Self::Structure(template) = self else { return false };
+        let size = template.size as usize;
+        if size == 0 || bytes.is_empty() {
+            return false;
+        }
+        let last = bytes.end.div_ceil(size).min(elements);
+        (bytes.start / size..last).any(|element| {
+            let begin = element * size;
+            let within = bytes.start.saturating_sub(begin)..(bytes.end - begin).min(size);
+            template.is_read_only(&within, mask)
+        })
     }
 
     /// Natural alignment in a user structure: the size of an elementary type; 4 for structures, 8 if they
@@ -101,6 +117,8 @@ pub struct Member {
     pub bit: Option<u8>,
     /// Not shown by clients: hosts of BOOLs, reserved space.
     pub hidden: bool,
+    /// Clients cannot write it.
+    pub read_only: bool,
 }
 
 impl Member {
@@ -132,6 +150,19 @@ impl Template {
     /// Whether the structure is the STRING type, whose value is a text.
     pub fn is_string(&self) -> bool {
         self.handle == STRING_HANDLE && self.size as usize == STRING_SIZE
+    }
+
+    /// Clients cannot write one of these bits: of a single byte those of a mask, of several bytes all.
+    fn is_read_only(&self, bytes: &Range<usize>, mask: u8) -> bool {
+        self.members.iter().any(|member| {
+            let from = member.offset as usize;
+            if from >= bytes.end || bytes.start >= from + member.size() {
+                return false;
+            }
+            let is_meant = bytes.len() > 1 || member.bit.is_none_or(|bit| mask & 1 << bit != 0);
+            let within = bytes.start.saturating_sub(from)..bytes.end - from;
+            is_meant && (member.read_only || member.data_type.is_read_only(member.elements(), &within, mask))
+        })
     }
 
     /// Elementary values, bits and texts in it, hidden members left out; a STRING is one text.
@@ -216,6 +247,7 @@ impl TemplateBuilder {
             dimension,
             bit: None,
             hidden: false,
+            read_only: false,
         };
         self.push(member)
     }
@@ -230,6 +262,7 @@ impl TemplateBuilder {
             dimension: 0,
             bit: Some(bit % 8),
             hidden: false,
+            read_only: false,
         };
         self.push(member)
     }
@@ -238,6 +271,14 @@ impl TemplateBuilder {
     pub fn hide(mut self) -> Self {
         if let Some(member) = self.template.members.last_mut() {
             member.hidden = true;
+        }
+        self
+    }
+
+    /// Keeps clients from writing the member that was added last.
+    pub fn read_only(mut self) -> Self {
+        if let Some(member) = self.template.members.last_mut() {
+            member.read_only = true;
         }
         self
     }
@@ -274,6 +315,7 @@ impl TemplateBuilder {
             dimension,
             bit: None,
             hidden: false,
+            read_only: false,
         };
         Self { host: None, ..self }.push(member)
     }
@@ -291,6 +333,7 @@ impl TemplateBuilder {
                     dimension: 0,
                     bit: None,
                     hidden: true,
+                    read_only: false,
                 });
                 (offset, 0)
             }
@@ -303,6 +346,7 @@ impl TemplateBuilder {
             dimension: 0,
             bit: Some(bit),
             hidden: false,
+            read_only: false,
         })
     }
 

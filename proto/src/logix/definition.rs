@@ -142,6 +142,7 @@ impl Definition {
             let is_array = row.type_word & ARRAY != 0;
             let member = Member {
                 hidden: row.name.starts_with("ZZZZZZZZZZ") || row.name.starts_with("__") || row.name.is_empty(),
+                read_only: false,
                 name: row.name,
                 data_type,
                 offset: row.offset,

@@ -182,6 +182,43 @@ fn clients_see_the_tags_of_programs_and_instances_and_write_them() {
 }
 
 #[test]
+fn clients_write_the_members_and_parameters_that_their_access_permits() {
+    let adder = [
+        ("\"EnableIn\"", "Read Only"),
+        ("\"EnableOut\"", "Read Only"),
+        ("\"Total\"", "Read Only"),
+        ("\"Step\"", "Read/Write"),
+    ]
+    .iter()
+    .fold(ADDER.to_owned(), |text, (name, access)| {
+        text.replacen(name, &format!("{name} ExternalAccess=\"{access}\""), 1)
+    });
+    let local = "<LocalTags><LocalTag Name=\"Own\" DataType=\"DINT\" ExternalAccess=\"None\"/></LocalTags>";
+    let adder = adder.replacen("<LocalTags/>", local, 1);
+    let recipe = "<DataType Name=\"Recipe\" Family=\"NoFamily\" Class=\"User\"><Members>\
+                  <Member Name=\"Speed\" DataType=\"REAL\" Dimension=\"0\" Hidden=\"false\" ExternalAccess=\"Read/Write\"/>\
+                  <Member Name=\"Made\" DataType=\"DINT\" Dimension=\"0\" Hidden=\"false\" ExternalAccess=\"Read Only\"/>\
+                  <Member Name=\"Key\" DataType=\"DINT\" Dimension=\"0\" Hidden=\"false\" ExternalAccess=\"None\"/></Members></DataType></DataTypes>";
+    let rungs = ["Adder(Sum,1);", "ADD(R[1].Made,1,R[1].Made);"];
+    let text = cell(&["R Recipe[2]"], &["Sum Adder"], &adder, &rungs);
+    let mut bench = Bench::new(&text.replacen("</DataTypes>", recipe, 1), Mode::Run);
+    bench.ticks(8);
+    #[rustfmt::skip]
+    let cases = [
+        ("R[1].Speed", true), ("R[1].Made", false), ("R[0].Key", false), ("R[1].Made.3", false), ("Program:Main.Sum.Step", true),
+        ("Program:Main.Sum.Total", false), ("Program:Main.Sum.Own", false), ("Program:Main.Sum.EnableOut", false),
+    ];
+    for (path, is_writable) in cases {
+        let parsed = path.parse().expect("a path");
+        let write = |transaction: &mut crate::plant::Transaction<'_>| transaction.write_value(&parsed, Value::Dint(5));
+        assert_eq!(bench.plant.transact(CLIENT, write).0.is_ok(), is_writable, "{path}");
+    }
+    bench.ticks(8);
+    assert_eq!(bench.number("R[1].Speed"), 5.0);
+    assert!(bench.number("R[1].Made") >= 2.0, "the program writes it");
+}
+
+#[test]
 fn instructions_of_motion_go_through_the_plant_and_stop_holds_for_them() {
     let rungs = [
         "XIC(Go)MSO(X,On);",

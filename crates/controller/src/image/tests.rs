@@ -525,6 +525,43 @@ fn programs_have_scopes_and_aliases_stand_for_parts() {
 }
 
 #[test]
+fn clients_do_not_write_read_only_members() {
+    let inner = arcline_tag::TemplateBuilder::new("Inner", 0x120)
+        .member("Free", Elementary::Bool)
+        .member("Kept", Elementary::Bool)
+        .read_only()
+        .member("Set", Elementary::Dint)
+        .build();
+    let outer = arcline_tag::TemplateBuilder::new("Outer", 0x121)
+        .member("Before", Elementary::Dint)
+        .array("Rows", inner, 3)
+        .build();
+    let tags = [PlainTag::new("T", TagType::array(outer, 2))];
+    let mut image = Image::new(&machine(), &[], &tags);
+    #[rustfmt::skip]
+    let cases = [
+        ("T[1].Before", true), ("T[1].Rows[2].Free", true), ("T[1].Rows[2].Set", true), ("T[1].Rows[2].Kept", false), ("T[0].Rows[0].Kept", false),
+        ("T[0].Rows[0].Set", true),
+    ];
+    for (text, is_writable) in cases {
+        let written = image.write_value(&path(text), Value::Dint(1));
+        assert_eq!(written.is_ok(), is_writable, "{text}");
+        assert_eq!(number(&image, text), f64::from(u8::from(is_writable)), "{text}");
+    }
+    let id = image.find("T").expect("a tag").id;
+    // Words of 28 bytes: `Before`, and three rows of the bits and `Set`.
+    #[rustfmt::skip]
+    let cases = [(0, 4, true), (8, 4, true), (4, 1, false), (0, 8, false), (28, 4, true), (24, 8, true), (24, 12, false), (8, 20, false), (0, 56, false)];
+    for (offset, len, is_writable) in cases {
+        assert_eq!(
+            image.writable(id, offset, len),
+            is_writable,
+            "{len} bytes from {offset}"
+        );
+    }
+}
+
+#[test]
 fn only_written_parts_of_plain_tags_are_remembered() {
     let mut image = image();
     let one = Value::Real(1.0);

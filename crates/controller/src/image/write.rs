@@ -8,13 +8,18 @@ use super::{Access, CallRoom, Image, MOTION_CONTROL, Tag, TagId, TagKind, WriteE
 impl Image {
     /// Clients may write these bytes of a tag.
     pub fn writable(&self, id: TagId, offset: usize, len: usize) -> bool {
+        self.writable_bits(id, offset, len, u8::MAX)
+    }
+
+    /// The same for the bits of a mask in a single byte.
+    fn writable_bits(&self, id: TagId, offset: usize, len: usize, mask: u8) -> bool {
         let end = offset.saturating_add(len);
         let Some(tag) = self.tag(id) else { return false };
         if end > self.bytes(id).len() {
             return false;
         }
         match tag.kind {
-            TagKind::Plain => tag.access == Access::ReadWrite,
+            TagKind::Plain => tag.access == Access::ReadWrite && !tag.tag_type.is_read_only(&(offset..end), mask),
             TagKind::FeedOverride | TagKind::FaultInject | TagKind::MotionInhibit | TagKind::ClockStep => true,
             TagKind::Instruction(_) => {
                 let DataType::Structure(template) = &tag.tag_type.data_type else {
@@ -48,7 +53,7 @@ impl Image {
     /// # Errors
     /// The tag does not exist, or a byte is beyond its end or read-only; nothing is written then.
     pub fn write(&mut self, id: TagId, offset: usize, data: &[u8]) -> Result<Option<WriteEffect>, WriteError> {
-        self.check_write(id, offset, data.len())?;
+        self.check_write(id, offset, data.len(), u8::MAX)?;
         match self.tag(id).map(|tag| tag.kind) {
             Some(TagKind::FeedOverride) => return self.write_feed_override(id, offset, data),
             Some(TagKind::FaultInject) => return self.write_fault_inject(id, offset, data),
@@ -78,7 +83,7 @@ impl Image {
         let (offset, mask) = (offset + usize::from(bit / 8), 1u8 << (bit % 8));
         let enable = self.enable_in(id).filter(|enable| *enable == (offset, mask));
         if enable.is_none() {
-            self.check_write(id, offset, 1)?;
+            self.check_write(id, offset, 1, mask)?;
         }
         let has_no_bits = |tag: &&Tag| matches!(tag.kind, TagKind::FeedOverride | TagKind::ClockStep);
         if let Some(tag) = self.tag(id).filter(has_no_bits) {
@@ -164,7 +169,7 @@ impl Image {
         Ok(())
     }
 
-    fn check_write(&self, id: TagId, offset: usize, len: usize) -> Result<(), WriteError> {
+    fn check_write(&self, id: TagId, offset: usize, len: usize, mask: u8) -> Result<(), WriteError> {
         let size = self.bytes(id).len();
         let tag = self.tag(id).ok_or(WriteError::NoSuchTag)?;
         if offset.saturating_add(len) > size {
@@ -173,7 +178,7 @@ impl Image {
                 size,
             });
         }
-        if !self.writable(id, offset, len) {
+        if !self.writable_bits(id, offset, len, mask) {
             return Err(WriteError::ReadOnly { name: tag.name.clone() });
         }
         Ok(())

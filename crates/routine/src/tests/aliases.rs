@@ -3,7 +3,7 @@
 use super::projects::{add_on, parameter};
 use super::{NoMachine, project, routine, script};
 use crate::load;
-use crate::source::{MemberSource, ParameterSource, Project, Usage};
+use crate::source::{Access, MemberSource, ParameterSource, Project, Usage};
 
 fn alias(name: &str, target: &str, usage: Usage, is_required: bool) -> ParameterSource {
     let mut alias = parameter(name, "", usage, None);
@@ -21,6 +21,7 @@ fn with(parameters: Vec<ParameterSource>, main: &str, logic: &str) -> Project {
             name: name.to_owned(),
             data_type: data_type.to_owned(),
             dimensions: dimensions.to_vec(),
+            access: Access::ReadWrite,
         };
         (member, None)
     };

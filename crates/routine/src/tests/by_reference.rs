@@ -3,7 +3,7 @@
 use super::projects::{add_on, parameter};
 use super::{NoMachine, expect, project, routine, script, started};
 use crate::load;
-use crate::source::{MemberSource, ParameterSource, Project, Usage};
+use crate::source::{Access, MemberSource, ParameterSource, Project, Usage};
 
 fn array(name: &str, data_type: &str, dimensions: &[u32]) -> ParameterSource {
     let mut by_reference = parameter(name, data_type, Usage::InOut, None);
@@ -37,6 +37,7 @@ fn local(name: &str, data_type: &str) -> MemberSource {
         name: name.to_owned(),
         data_type: data_type.to_owned(),
         dimensions: Vec::new(),
+        access: Access::ReadWrite,
     }
 }
 

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{NoMachine, expect, project, routine, script, set, started};
-use crate::source::{MemberSource, Project, TaskSource, Trigger, TypeSource};
+use crate::source::{Access, MemberSource, Project, TaskSource, Trigger, TypeSource};
 use crate::table::{Form, ROWS, Row};
 
 /// Mnemonic, tags, the call, the destination before, and after a true rung.
@@ -351,6 +351,7 @@ fn with_short_text(tags: &str, rungs: &str) -> Project {
         name: name.to_owned(),
         data_type: data_type.to_owned(),
         dimensions: dimensions.to_vec(),
+        access: Access::ReadWrite,
     };
     of.types.push(TypeSource {
         name: "S4".to_owned(),

@@ -1,7 +1,7 @@
 //! Tasks that wait for events: a bit of an axis, the data of a module, a time without one.
 
 use super::{expect, set, started, tags};
-use crate::source::{MemberSource, ProgramSource, Project, TaskSource, Trigger, TypeSource};
+use crate::source::{Access, MemberSource, ProgramSource, Project, TaskSource, Trigger, TypeSource};
 use crate::{FindingKind, NoMachine, load};
 
 /// A task for each trigger; its program counts in the tag of its name.
@@ -27,6 +27,7 @@ fn project(triggers: &[(&str, &str, &str, Option<f64>)]) -> Project {
         name: name.to_owned(),
         data_type: "BOOL".to_owned(),
         dimensions: Vec::new(),
+        access: Access::ReadWrite,
     };
     Project {
         types: vec![TypeSource {

@@ -3,7 +3,7 @@
 use super::projects::{add_on, parameter};
 use super::{NoMachine, expect, project, routine, script, started};
 use crate::load;
-use crate::source::{MemberSource, TypeSource, Usage};
+use crate::source::{Access, MemberSource, TypeSource, Usage};
 
 #[test]
 fn the_carry_is_kept_when_only_an_add_on_instruction_looks_at_it() {
@@ -37,6 +37,7 @@ fn a_bool_by_reference_is_its_bit() {
                 name: "Inner".to_owned(),
                 data_type: "Put".to_owned(),
                 dimensions: Vec::new(),
+                access: Access::ReadWrite,
             },
             None,
         ));
@@ -73,6 +74,7 @@ fn members_that_are_left_out_are_named() {
         name: name.to_owned(),
         data_type: data_type.to_owned(),
         dimensions,
+        access: Access::ReadWrite,
     };
     of.types.push(TypeSource {
         name: "Odd".to_owned(),

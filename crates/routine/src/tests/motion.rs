@@ -6,7 +6,7 @@ use arcline_tag::TagType;
 use super::projects::{add_on, parameter};
 use super::{project, routine, tags};
 use crate::Memory;
-use crate::source::{Datum, MemberSource, Project, TaskSource, Trigger, TypeSource, Usage};
+use crate::source::{Access, Datum, MemberSource, Project, TaskSource, Trigger, TypeSource, Usage};
 use crate::{Cell, Directory, Fault, Host, load};
 
 /// The axes X and Y and the coordinate system CS. It records the calls.
@@ -336,6 +336,7 @@ fn add_on_instructions_get_axes_and_coordinate_systems_by_reference() {
         name: "Own".to_owned(),
         data_type: "MOTION_INSTRUCTION".to_owned(),
         dimensions: Vec::new(),
+        access: Access::ReadWrite,
     };
     of.instructions[0].locals.push((own, None));
     let mut bench = Bench::new(of);
@@ -398,6 +399,7 @@ fn operands_are_read_at_the_edge_from_the_element_on() {
         name: name.to_owned(),
         data_type: "REAL".to_owned(),
         dimensions: dimensions.to_vec(),
+        access: Access::ReadWrite,
     };
     of.types.push(TypeSource {
         name: "Point".to_owned(),

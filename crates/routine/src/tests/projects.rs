@@ -1,13 +1,16 @@
 //! Whole projects: add-on instructions, tasks, faults.
 
 use super::{NoMachine, expect, project, routine, script, started, tags};
-use crate::source::{Datum, InstructionSource, MemberSource, ParameterSource, Project, TaskSource, Trigger, Usage};
+use crate::source::{
+    Access, Datum, InstructionSource, MemberSource, ParameterSource, Project, TaskSource, Trigger, Usage,
+};
 
 pub(super) fn member(name: &str, data_type: &str) -> MemberSource {
     MemberSource {
         name: name.to_owned(),
         data_type: data_type.to_owned(),
         dimensions: Vec::new(),
+        access: Access::ReadWrite,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{NoMachine, project, script};
 use crate::load;
-use crate::source::{MemberSource, Project, TypeSource};
+use crate::source::{Access, MemberSource, Project, TypeSource};
 
 const TAGS: &str = "B BOOL[64], C BOOL[64], D DINT[4], N DINT, I DINT, L SINT, R REAL, P Part[2], Q Part, F BOOL, \
      T TIMER, U TIMER[3], W CONTROL 4, S STRING, H STRING_16, V STRING[3], X INT[8]";
@@ -22,6 +22,7 @@ fn with(rung: &str) -> Project {
         name: name.to_owned(),
         data_type: data_type.to_owned(),
         dimensions,
+        access: Access::ReadWrite,
     };
     of.types.push(TypeSource {
         name: "Part".to_owned(),
