@@ -308,7 +308,7 @@ constants! {
         /// longer.
         begun: f64 = 200.0,
         /// Factor of the weight of the time from one to the next.
-        /// 10: +0.07 %, 8 % less work.
+        /// 2 to 4 take about as many steps of nodes, with two steps for each weight; 4: `adept` with S-curves 0.7 % slower.
         factor: f64 = 2.5,
         /// Excess of a continuation after a repair up to which it may still come inside.
         /// More continues repairs that do not come inside, less gives up some that would. Not measured.
@@ -420,6 +420,8 @@ constants! {
         /// The usual value of a search along a line (Armijo); more refuses more steps. Not measured.
         sufficient: f64 = 1e-4,
         /// Steps for each weight but the first and the last: along the curve of the optima, which need not be reached on the way.
+        /// 1: dense chords with trapezoids a fifth fewer steps, S-curves of `coarse` 1.5 % and of `adept` 0.4 % slower. 8, a factor of 5 and no step along the
+        /// curve of the optima: twice as many steps of nodes.
         steps_between: usize = 2,
         /// Relative lift of the matrix's diagonal.
         /// More makes the steps shorter, less may leave a pivot without digits. Not measured.
@@ -468,7 +470,9 @@ constants! {
         /// Further steps for each weight in which relaxed limits close in.
         /// 12: no difference here.
         most_closing: usize = 24,
-        /// Steps in which the room of the most relaxed limit must shrink by this share.
+        /// Steps in which the room of the most relaxed limit must shrink by this share; a continuation of which it does not is given up.
+        /// Of 501 continuations of eight streams 60 were never within their limits, 55 of which are given up, with 0.8 of their steps left; so are 8 of the
+        /// others, which took as long. 4 steps: 57 and 19; 16 steps and 10 %: 55 and 7.
         stalled_steps: usize = 8,
         stalled_share: f64 = 0.05,
         /// Room for an exceeded limit, and the least of it, as shares of the quotient.

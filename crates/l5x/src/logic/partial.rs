@@ -2,8 +2,8 @@
 //! runs on a task of 10 ms. An add-on instruction gets a program with one rung that calls it, and a tag for each of its operands.
 
 use arcline_routine::source::{
-    Content, InstructionSource, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource, Trigger,
-    Usage,
+    Content, Datum, InstructionSource, ProgramSource, Project, RoutineSource, RungSource, TagSource, TaskSource,
+    Trigger, Usage,
 };
 use roxmltree::Node;
 
@@ -63,28 +63,11 @@ fn targets(controller: Node<'_, '_>, target: &str) -> Option<(String, Option<Str
 }
 
 /// A program that calls an add-on instruction in every scan. Its tags have the names of the parameters; one that is taken gets an
-/// underscore.
+/// underscore. A parameter that is an alias has the type of its target, which the file does not repeat: its operand is that member of the instance.
 fn call(project: &mut Project, add_on: &InstructionSource) {
-    let mut tags: Vec<TagSource> = Vec::new();
-    let mut operands = Vec::new();
-    let required = add_on
-        .parameters
-        .iter()
-        .filter(|one| one.is_required || one.usage == Usage::InOut);
-    let instance = (format!("{}1", add_on.name), add_on.name.clone(), Vec::new(), None);
-    let parameters = required.map(|one| {
-        let member = &one.member;
-        let value = one.value.clone();
-        (
-            member.name.clone(),
-            member.data_type.clone(),
-            member.dimensions.clone(),
-            value,
-        )
-    });
-    for (mut name, data_type, dimensions, value) in std::iter::once(instance).chain(parameters) {
+    let mut add = |mut name: String, data_type: &str, dimensions: &[u32], value: Option<Datum>| {
         let is_taken = |name: &str| {
-            let all = project.tags.iter().chain(&tags).map(|tag| tag.name.as_str());
+            let all = project.tags.iter().map(|tag| tag.name.as_str());
             // A motion group without a name has its default one.
             all.chain([arcline_config::DEFAULT_GROUP])
                 .any(|one| one.eq_ignore_ascii_case(name))
@@ -92,10 +75,28 @@ fn call(project: &mut Project, add_on: &InstructionSource) {
         while is_taken(&name) {
             name.push('_');
         }
-        operands.push(name.clone());
-        tags.push(TagSource::new(name, data_type, dimensions, value));
-    }
-    project.tags.extend(tags);
+        let tag = TagSource::new(name.clone(), data_type.to_owned(), dimensions.to_vec(), value);
+        project.tags.push(tag);
+        name
+    };
+    let instance = add(format!("{}1", add_on.name), &add_on.name, &[], None);
+    let mut operands = vec![instance.clone()];
+    let required = add_on
+        .parameters
+        .iter()
+        .filter(|one| one.is_required || one.usage == Usage::InOut);
+    operands.extend(required.map(|one| {
+        let member = &one.member;
+        match one.alias {
+            Some(_) => format!("{instance}.{}", member.name),
+            None => add(
+                member.name.clone(),
+                &member.data_type,
+                &member.dimensions,
+                one.value.clone(),
+            ),
+        }
+    }));
     let rung = RungSource {
         number: 0,
         kind: "N".to_owned(),

@@ -50,6 +50,22 @@ fn an_add_on_instruction_alone_is_called_in_every_scan() {
 }
 
 #[test]
+fn a_parameter_that_is_an_alias_is_an_operand_of_its_own() {
+    let alias = "<Parameter Name=\"Go\" TagType=\"Alias\" AliasFor=\"Own.2\" Usage=\"Input\" Required=\"true\"/><Parameter Name=\"Out\"";
+    let add_on = ADD_ON.replace("<Parameter Name=\"Out\"", alias);
+    let local = "</Parameters><LocalTags><LocalTag Name=\"Own\" DataType=\"DINT\"/></LocalTags><Routines/></AddOnInstructionDefinition></Add";
+    let add_on = add_on.replace("</Parameters><Routines/></AddOnInstructionDefinition></Add", local);
+    let project = logic(&file("AddOnInstructionDefinition", "Scale", &add_on), "scale.L5X").expect("it is read");
+    let arcline_routine::source::Content::Ladder(rungs) = &project.programs[0].routines[0].content else {
+        panic!("{:?}", project.programs)
+    };
+    assert_eq!(rungs[0].text, "Scale(Scale1,In_,Arr,Scale1.Go,Out);");
+    assert!(project.tags.iter().all(|tag| tag.name != "Go"), "{:?}", project.tags);
+    let loaded = arcline_routine::load(&project, &mut arcline_routine::NoMachine);
+    assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
+}
+
+#[test]
 fn an_operand_of_the_default_name_of_the_motion_group_gets_an_underscore() {
     let add_on = ADD_ON.replace("Name=\"Arr\"", "Name=\"Motion\"");
     let project = logic(&file("AddOnInstructionDefinition", "Scale", &add_on), "scale.L5X").expect("it is read");

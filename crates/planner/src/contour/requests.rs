@@ -212,7 +212,7 @@ impl<T: Copy> ContourQueue<T> {
         }
         // While there is time, more moves are waited for: each extension plans the end of the trajectory anew.
         let until_braking = run.trajectory.brakes_from() - now;
-        let few = if until_braking > AMPLE_S {
+        let few = if until_braking > AMPLE_S + run.planning_s {
             FEW_MOVES_LATER
         } else {
             FEW_MOVES

@@ -23,12 +23,13 @@ pub(super) const LEAST_BEGUN_S: f64 = 0.1;
 /// A trajectory is extended when the waiting moves are at least its planned ones divided by this number. A larger one extends more often, and plans the
 /// end of the trajectory more often. Not measured.
 pub(super) const FEW_MOVES: usize = 4;
-/// The same while the motion does not brake for the end of the trajectory within `AMPLE_S`: then fewer extensions, of more moves each, are in time. Not measured.
+/// The same while the motion does not brake for the end of the trajectory within the time for planning and `AMPLE_S`: then fewer extensions, of more moves each,
+/// are in time. Not measured.
 pub(super) const FEW_MOVES_LATER: usize = 2;
-/// Seconds until the motion brakes for its end. Seconds until it is at rest there instead, 0.5: 1.3 to 1.6 times the plans of dense chords at 200 to 400 mm/s, of
-/// which a queue of 1,000 moves holds 0.2 to 0.5 s. 0.12: `fine` with trapezoids 47 plans, not 54, and 0.1 % slower; `spiral` with S-curves 0.6 % slower
-/// than with 0.2.
-pub(super) const AMPLE_S: f64 = 0.15;
+/// Seconds until the motion brakes for its end, beside those for planning. Seconds until it is at rest there instead, 0.5: 1.3 to 1.6 times the plans of dense
+/// chords at 200 to 400 mm/s, of which a queue of 1,000 moves holds 0.2 to 0.5 s. 0.09: `fine` with trapezoids 47 plans, not 54, and 0.1 % slower; `spiral` with
+/// S-curves 0.6 % slower than with 0.17.
+pub(super) const AMPLE_S: f64 = 0.12;
 /// A trajectory with at most this rest is extended in any case, seconds. More extends for few moves, less leaves no time to plan. Not measured.
 pub(super) const NEAR_S: f64 = 0.5;
 /// Seconds without a new move after which a trajectory is extended with however few moves wait. More leaves less time for an extension that is hard to
