@@ -413,9 +413,8 @@ pub fn travel(
     feed: Feed,
     mut look: impl FnMut(&mut ContourQueue<usize>, &Clock, Option<Sample>),
 ) -> Travelled {
-    /// Ticks of 1 ms for each move, and for all of them, within which every toolpath is travelled.
-    const LONGEST: [u64; 2] = [1_000, 100_000];
-    let longest = LONGEST[0] * moves.len() as u64 + LONGEST[1];
+    // Ticks of 1 ms within which every toolpath is travelled.
+    let longest = 1_000 * (moves.len() as u64 + 100);
     let limits = limits(jerk);
     let mut clock = Clock::at(0, 1_000_000);
     let mut queue = ContourQueue::new(feed.depth);

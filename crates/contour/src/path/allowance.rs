@@ -51,13 +51,16 @@ impl Allowance {
             .map(|(pair, &tolerance)| most_reach(&pair[0], &pair[1], tolerance, smoothness))
             .collect();
         reaches.push(0.0);
-        let chords = chords(reference, &tolerances);
+        let turns: Vec<f64> = (0..reference.pieces.len())
+            .map(|piece| turn(reference, piece))
+            .collect();
+        let chords = chords(reference, &tolerances, &turns);
         let anywhere = deviations
             .zip(chords)
             .map(|(deviation, chord)| chord || deviation == Deviation::Anywhere);
         Allowance {
             anywhere: anywhere.collect(),
-            spacing: spacing(reference, &tolerances, quality),
+            spacing: spacing(reference, &tolerances, &turns, quality),
             tolerances,
             reaches,
             start,
@@ -257,8 +260,8 @@ pub(crate) fn turn(reference: &ReferencePath, piece: usize) -> f64 {
     })
 }
 
-/// Nodes are farther apart on a smooth curve of chords that are far shorter than their tolerance requires.
-fn spacing(reference: &ReferencePath, tolerances: &[f64], quality: Quality) -> Spacing {
+/// Nodes are farther apart on a smooth curve of chords that are far shorter than their tolerance requires. `turns`: see [`turn`], of each piece.
+fn spacing(reference: &ReferencePath, tolerances: &[f64], turns: &[f64], quality: Quality) -> Spacing {
     if quality != Quality::Smooth {
         return Spacing {
             node_s: TUNING.grid.node_s,
@@ -270,7 +273,7 @@ fn spacing(reference: &ReferencePath, tolerances: &[f64], quality: Quality) -> S
         .windows(2)
         .map(|pair| pair[0].length().min(pair[1].length()));
     // The distance of a corner from an arc through the middles of its pieces, in tolerances.
-    let bend = |(piece, shorter): (usize, f64)| shorter * turn(reference, piece) / (8.0 * tolerances[piece]);
+    let bend = |(piece, shorter): (usize, f64)| shorter * turns[piece] / (8.0 * tolerances[piece]);
     let is_flat = lengths.enumerate().map(bend).all(|bend| bend <= TUNING.smooth.flat);
     Spacing {
         node_s: if is_flat {
@@ -284,9 +287,8 @@ fn spacing(reference: &ReferencePath, tolerances: &[f64], quality: Quality) -> S
 
 /// The pieces that are chords of a curve: short lines between corners so flat that an arc with the same change of direction would be within
 /// half of the tolerance, and lines among short ones with small changes of direction.
-fn chords(reference: &ReferencePath, tolerances: &[f64]) -> Vec<bool> {
+fn chords(reference: &ReferencePath, tolerances: &[f64], turns: &[f64]) -> Vec<bool> {
     let last = reference.pieces.len() - 1;
-    let turns: Vec<f64> = (0..=last).map(|piece| turn(reference, piece)).collect();
     let most = |piece: usize| turns[piece].max(piece.checked_sub(1).map_or(0.0, |before| turns[before]));
     // Length in tolerances, the lesser of those of both corners.
     let long_of = |piece: usize| {
