@@ -368,8 +368,10 @@ async fn stop_inhibits_motion_until_it_is_released() {
         }
         assert!(plant.is_inhibited(), "{way}");
         wait(&plant, "MotionInhibit").await;
-        wait_while(&plant, "XY.MotionStatus").await;
-        wait_while(&plant, "Move1.IP").await;
+        // The contour ends at once, and its axes stop, each on its own.
+        for bit in ["Move1.IP", "X.StoppingStatus", "Y.StoppingStatus"] {
+            wait_while(&plant, bit).await;
+        }
         let again = write(&plant, &[("Move1.EnableIn", 0.0), ("Move1.EnableIn", 1.0)]);
         plant.complete(again).await.expect("no tag is retained");
         assert_eq!(
