@@ -352,7 +352,7 @@ pub enum Latency {
     None,
     /// A number of seconds.
     Seconds(f64),
-    /// The processor time of the planning (Linux).
+    /// The processor time of the planning.
     Measured,
 }
 
@@ -488,11 +488,10 @@ pub fn travel(
     told
 }
 
-/// Processor time of this thread, s (Linux).
+/// Processor time of this thread, s.
 fn busy() -> f64 {
-    let shown = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let nanoseconds = shown.split(' ').next().and_then(|first| first.parse::<f64>().ok());
-    nanoseconds.unwrap_or(0.0) * 1e-9
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// The greatest acceleration of each axis, mm/s².

@@ -7,7 +7,7 @@ use crate::limits::{MoveLimits, Smoothness};
 use crate::path::allowance::SectionStart;
 use crate::path::straight::straight;
 use crate::section::Section;
-use crate::solve::stages::Quality;
+use crate::solve::stages::{Limited, Quality};
 use crate::tolerance::SAME_TANGENT_SINE;
 use crate::trajectory::MoveEnd;
 use crate::tuning::TUNING;
@@ -76,12 +76,12 @@ pub fn begin(moves: &[ContourMove], limits: &AxisLimits) -> Trajectory {
 }
 
 /// The number of moves on which a motion from rest is within some seconds, by the speeds of its first guess.
-fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64) -> usize {
+fn passed_within(moves: &[ContourMove], limits: &AxisLimits, seconds: f64, limited: Limited) -> usize {
     let (mut begin, mut left) = (0, seconds);
     while begin < moves.len() {
         let end = between_stops(moves, begin).end;
         let passes = if moves[begin..end].iter().any(ContourMove::has_length) {
-            Section::new(&moves[begin..end], limits, SectionStart::Rest, Quality::TimingOnly).passes()
+            Section::new(&moves[begin..end], limits, SectionStart::Rest, Quality::TimingOnly).passes(limited)
         } else {
             Vec::new()
         };
@@ -114,7 +114,14 @@ pub(crate) fn first_moves(moves: &[ContourMove], limits: &AxisLimits) -> Option<
         seconds += one.path.length() / one.speed;
         before < TUNING.extend.first_s
     });
-    let first = passed_within(&moves[..most.count()], limits, TUNING.extend.first_s);
+    let known = &moves[..most.count()];
+    let within = |seconds, limited| passed_within(known, limits, seconds, limited);
+    let first = match Smoothness::of(known) {
+        Smoothness::Trapezoid => within(TUNING.extend.first_s, Limited::Acceleration),
+        // The guess with limits of the jerk is too slow at flat corners, and that without them too fast at sharp ones.
+        Smoothness::SCurve => within(TUNING.extend.first_s, Limited::Jerk)
+            .max(within(TUNING.extend.first_without_jerk_s, Limited::Acceleration)),
+    };
     Some(first.max(TUNING.extend.first_moves).min(moves.len()))
 }
 

@@ -111,19 +111,29 @@ impl<'a> Section<'a> {
         if planning_time == PlanningTime::Streaming {
             stages.iter_mut().for_each(Stage::end_soon);
         }
-        Some(self.finish(self.run(control, &stages, &mut work).ok()?))
+        Some(self.finish(self.run(control, &stages, planning_time, &mut work).ok()?))
     }
 
     /// The same, with its control points, within a budget of work that it shares with others.
     pub(crate) fn solve_with(&self, work: &mut Work) -> Option<Solved> {
         let stages = stages(self.smoothness, self.quality);
-        self.run(self.first_guess(), &stages, work).ok()
+        self.run(self.first_guess(), &stages, PlanningTime::Unlimited, work)
+            .ok()
     }
 
-    /// The instants at which the first guess passes the ends of the moves that have a length, without limits of the jerk.
-    pub(crate) fn passes(&self) -> Vec<f64> {
-        let (free, stretches) = self.without_jerk();
-        pass_times(&self.reference, &stretches, &free)
+    /// The instants at which the first guess passes the ends of the moves that have a length, with limits of the jerk or without.
+    pub(crate) fn passes(&self, limited: Limited) -> Vec<f64> {
+        match limited {
+            Limited::Acceleration => {
+                let (free, stretches) = self.without_jerk();
+                pass_times(&self.reference, &stretches, &free, Smoothness::Trapezoid)
+            }
+            Limited::Jerk => {
+                let corners = Corners::Superposed(self.smoothness);
+                let stretches = round(&self.reference, &self.allowance, corners);
+                pass_times(&self.reference, &stretches, &self.bounds, self.smoothness)
+            }
+        }
     }
 
     fn first_guess(&self) -> ControlPoints {
@@ -150,7 +160,7 @@ impl<'a> Section<'a> {
                 stages.insert(0, stages[0]);
             }
         }
-        Ok(self.finish(self.run(control, &stages, work)?))
+        Ok(self.finish(self.run(control, &stages, PlanningTime::Unlimited, work)?))
     }
 
     /// Makes a warm start faster that a mend brings within all limits; `None` if it does not.
@@ -242,7 +252,8 @@ impl<'a> Section<'a> {
     /// Optimises a warm start that is nearly within its limits.
     pub(crate) fn repair(&self, control: ControlPoints, work: &mut Work) -> Option<Trajectory> {
         let stages = last_stages(self.smoothness);
-        Some(self.finish(self.run(control, &stages, work).ok()?))
+        let solved = self.run(control, &stages, PlanningTime::Unlimited, work).ok()?;
+        Some(self.finish(solved))
     }
 
     /// The last resort for a single curve: the first guess, slowed down to its limits.
@@ -268,7 +279,13 @@ impl<'a> Section<'a> {
     }
 
     /// Runs all stages, until one has a plan or the work is used up.
-    fn run(&self, mut control: ControlPoints, stages: &[Stage], work: &mut Work) -> Result<Solved, Missed> {
+    fn run(
+        &self,
+        mut control: ControlPoints,
+        stages: &[Stage],
+        planning_time: PlanningTime,
+        work: &mut Work,
+    ) -> Result<Solved, Missed> {
         let quality = self.quality;
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
@@ -305,7 +322,11 @@ impl<'a> Section<'a> {
             if quality == Quality::Smooth {
                 work.smooth_stage(control.points.len());
             }
-            let now = self.run_stage(&mut control, stage, &margin, work);
+            let most = match planning_time {
+                PlanningTime::Unlimited => u64::MAX,
+                PlanningTime::Streaming => TUNING.work.begin_stage_each * control.points.len() as u64,
+            };
+            let now = work.at_most(most, |work| self.run_stage(&mut control, stage, &margin, work));
             if !now.trajectory.duration().is_finite() {
                 return Err(Missed::Near);
             }
@@ -337,6 +358,11 @@ impl<'a> Section<'a> {
             let excess_is_hopeless = is_plan && now.excess > TUNING.stages.hopeless;
             if control.initial.is_some() && (excess_is_hopeless || worst > TUNING.stages.astray) {
                 return Err(Missed::Near);
+            }
+            // The motion waits for its first plan: another quality is found sooner.
+            let is_first = planning_time == PlanningTime::Streaming && is_plan;
+            if is_first && self.smoothness == Smoothness::Trapezoid && worst > TUNING.smooth.far_to_begin {
+                return Err(Missed::Far);
             }
             if is_plan && within {
                 return Ok(Solved {

@@ -205,6 +205,10 @@ constants! {
         /// The same in a short rest of the running motion ([`Extend::short_s`]): of 26 attempts at `fine` with S-curves that were outside by more after they
         /// had closed in once, one came inside.
         far_short: f64 = 1.02,
+        /// Quotient of the distance from the path and the tolerance beyond which the first trapezoids of a stream have no repairs: the motion waits for them.
+        /// Of 22 first plans that were farther outside 17 never came inside, and the others took three to six repairs. With repairs 8 of 299 streams began
+        /// after more than 20 ms, not one, and their first motion took 0.3 % more time. S-curves that are 4 times outside come inside in two.
+        far_to_begin: f64 = 2.0,
         /// Largest share of an excess that may remain after another attempt.
         /// More continues attempts that hardly close in, less gives up attempts that would. Not measured.
         nearer: f64 = 0.97,
@@ -332,6 +336,9 @@ constants! {
         /// much motion. S-curves: with 100,000 a circle of 120 chords had no smooth curve.
         to_begin: u64 = 60_000,
         to_begin_s_curve: u64 = 150_000,
+        /// Visits of each node in one stage of the first plan of a stream. Without a bound single stages took 130 to 220, and their plan a third more time; the first motion
+        /// of 300 streams with S-curves took 0.1 % less.
+        begin_stage_each: u64 = 50,
         /// Visits of each node to make the first S-curves of a stream faster on evenly rounded corners.
         /// 39 first plans of few moves took 13 ms at most with 40, and 24 with 100; 60: 16 ms and 3 % less time of motion than 40, as with 100. With 40, the speed
         /// along a circle of 120 chords flickered.
@@ -496,8 +503,11 @@ constants! {
         after_stop_s: f64 = 0.01,
         /// Seconds of the first guess, and the least number of moves, to plan before a motion begins.
         /// Of random streams whose plans came as late as their processor time, on a slow computer, 95 of 100 began within 35 ms (S-curves) and 39 ms; with
-        /// 0.4 s at programmed speed within 56 and 84 ms, and the motion took as long. 0.2 s: 13 rests in 257 streams, not 4.
+        /// 0.4 s at programmed speed within 56 and 84 ms, and the motion took as long. 0.2 s: 13 rests in 257 streams, not 4. S-curves: by the guess with
+        /// limits of the jerk, and at least the second number of seconds by that without them; by the latter alone their first plans took twice as long
+        /// at sharp corners (95 of 100 within 15.6 ms, not 8.3), and with plans 20 ms late their motion 0.6 % more time.
         first_s: f64 = 0.35,
+        first_without_jerk_s: f64 = 0.2,
         first_moves: usize = 4,
         /// Seconds of one extension, about: at least and at most; and the least number of moves.
         /// Longer extensions plan the end of the motion less often, but each takes longer, and the motion must not end meanwhile. Not measured.

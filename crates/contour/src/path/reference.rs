@@ -13,6 +13,8 @@ pub(crate) struct ReferencePath {
     pub(crate) pieces: Vec<Path>,
     /// Arc length of the reference path at the start of each piece, and its whole length as last element.
     pub(crate) starts: Vec<f64>,
+    /// The point in the middle of each piece, and half of its length: no point of the piece is farther from the middle.
+    middles: Vec<(Point, f64)>,
 }
 
 impl ReferencePath {
@@ -24,7 +26,15 @@ impl ReferencePath {
             sum += piece.length();
             starts.push(sum);
         }
-        ReferencePath { pieces, starts }
+        let middle = |piece: &Path| {
+            let half = 0.5 * piece.length();
+            (piece.at(half).position, half)
+        };
+        ReferencePath {
+            middles: pieces.iter().map(middle).collect(),
+            pieces,
+            starts,
+        }
     }
 
     pub(crate) fn length(&self) -> f64 {
@@ -46,10 +56,11 @@ impl ReferencePath {
         let mut least = (foot - q).norm_squared();
         loop {
             let centre = at;
+            let distance = least.sqrt();
             for other in
                 centre.saturating_sub(TUNING.corridor.foot_pieces)..=(centre + TUNING.corridor.foot_pieces).min(last)
             {
-                if other == centre {
+                if other == centre || self.is_farther(other, q, distance) {
                     continue;
                 }
                 let candidate = nearest(&self.pieces[other], q);
@@ -62,6 +73,13 @@ impl ReferencePath {
                 return (foot, at);
             }
         }
+    }
+
+    /// All points of a piece are farther from `q` than this distance, as its middle shows.
+    fn is_farther(&self, piece: usize, q: &Point, distance: f64) -> bool {
+        let (middle, half) = self.middles[piece];
+        let most = half + distance;
+        (q - middle).norm_squared() > most * most
     }
 }
 

@@ -75,10 +75,8 @@ impl Budget {
             Quality::Full => TUNING.work.together_each,
             Quality::Smooth | Quality::TimingOnly => 1,
         };
-        let (left, before) = (work.left, work.visited);
-        work.left = left.min(self.left / each);
-        let done = with(work);
-        work.left = left.saturating_sub(work.visited - before);
+        let before = work.visited;
+        let done = work.at_most(self.left / each, with);
         let visited = each * (work.visited - before);
         self.count(visited);
         done
@@ -111,6 +109,15 @@ impl Work {
             Quality::Full | Quality::TimingOnly => TUNING.work.to_continue,
         };
         Work::of(some + TUNING.work.to_continue_each * nodes as u64)
+    }
+
+    /// Does work with at most this number of visits.
+    pub(crate) fn at_most<R>(&mut self, visits: u64, with: impl FnOnce(&mut Work) -> R) -> R {
+        let (left, before) = (self.left, self.visited);
+        self.left = left.min(visits);
+        let done = with(self);
+        self.left = left.saturating_sub(self.visited - before);
+        done
     }
 
     /// Counts one visit of each of this number of nodes.

@@ -74,10 +74,15 @@ pub(crate) fn first_guess(
     control
 }
 
-/// The instants at which the speed profile of trapezoids passes the ends of the pieces.
-pub(crate) fn pass_times(reference: &ReferencePath, stretches: &[Stretch], bounds: &[MoveLimits]) -> Vec<f64> {
+/// The instants at which the speed profile passes the ends of the pieces.
+pub(crate) fn pass_times(
+    reference: &ReferencePath,
+    stretches: &[Stretch],
+    bounds: &[MoveLimits],
+    smoothness: Smoothness,
+) -> Vec<f64> {
     let samples = sample(reference, stretches);
-    let profile = speeds(reference, &samples, bounds, Smoothness::Trapezoid, 0.0);
+    let profile = speeds(reference, &samples, bounds, smoothness, 0.0);
     let ends = reference.starts.iter().skip(1);
     ends.map(|&s| time_at(&samples, &profile, s)).collect()
 }

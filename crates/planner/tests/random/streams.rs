@@ -94,9 +94,8 @@ fn legs(kind: &Kind, random: &mut Random, count: usize, s_curve: bool) -> Vec<Mo
 
 /// Seconds for which this thread has kept a processor busy.
 fn busy() -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux tells it");
-    let nanoseconds = told.split(' ').next().and_then(|first| first.parse::<f64>().ok());
-    nanoseconds.expect("the first number") * 1e-9
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// Travels moves that are queued as soon as there is room.
