@@ -95,8 +95,10 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
     let is_short = left < TUNING.extend.short_s;
     let (attempts, patience_of_smooth, far): (&[Attempt], _, _) = if is_short {
         (&TUNING.attempts.short, patience.smooth_short, TUNING.smooth.far_short)
-    } else {
+    } else if left < TUNING.extend.long_s {
         (&TUNING.attempts.usual, patience.smooth, TUNING.smooth.far)
+    } else {
+        (&TUNING.attempts.long, patience.smooth, TUNING.smooth.far)
     };
     // The first plan found is used. Dense chords are fastest as a smooth curve; a gentle plan is found soonest; fewer moves are easier.
     let plan_for = |search: Search<'_>, share: f64, patience: f64, least: f64| {
@@ -251,11 +253,12 @@ fn extended(
         Search::GentleAndSmooth => return continuation.plan_gently_and_smooth(leaves(), budget),
         Search::Attempts(_, attempts) => attempts,
     };
-    // A search that fails from one instant of the running motion may succeed from a later one.
+    // A search that fails from one instant of the running motion may succeed from another one.
     let (mut work, mut tried, mut soonest_later) = (None, Vec::new(), f64::NEG_INFINITY);
     attempts.iter().find_map(|attempt| {
         let from = first + attempt.later_s;
-        if attempt.later_s < soonest_later || from < soonest || budget.is_spent() {
+        let is_skipped = (0.0..soonest_later).contains(&attempt.later_s);
+        if is_skipped || from < soonest || budget.is_spent() {
             return None;
         }
         let splice = splice(running, passed + begin, &moves[begin..old], limits, from)?;
