@@ -25,7 +25,7 @@ impl UnknownParts {
     fn are_blocked_by(self, finding: &Finding) -> bool {
         match finding.kind {
             FindingKind::Error => true,
-            FindingKind::Type | FindingKind::Module | FindingKind::Shared => false,
+            FindingKind::Type | FindingKind::Module | FindingKind::Shared | FindingKind::FirstNumber => false,
             _ => self == UnknownParts::Refused,
         }
     }

@@ -3,6 +3,7 @@
 mod add_on;
 mod call;
 mod expression;
+mod first_numbers;
 mod fit;
 mod message;
 mod motion;
@@ -21,6 +22,7 @@ use std::collections::BTreeMap;
 use arcline_instruction_set::{ControlSlot, Object};
 use arcline_tag::TagType;
 
+use self::first_numbers::FirstNumbers;
 use crate::code::{Body, Code, FIRST_TEXTS, Program, Routine, Rung, Select, Task, TextId, When};
 use crate::error::{Finding, FindingKind, Line};
 use crate::expression::Expression;
@@ -112,6 +114,7 @@ pub(crate) struct Compiler<'p> {
     pub(crate) shared: BTreeMap<usize, u32>,
     /// Whether a routine reads the carry, which costs time.
     pub(crate) uses_carry: bool,
+    first_numbers: FirstNumbers,
 }
 
 /// The reason for which an operand or a statement cannot be compiled, in words.
@@ -159,6 +162,7 @@ impl<'p> Compiler<'p> {
             controls: Vec::new(),
             shared: BTreeMap::new(),
             uses_carry: false,
+            first_numbers: FirstNumbers::default(),
         };
         for text in FIRST_TEXTS {
             compiler.text(text);
@@ -186,6 +190,7 @@ impl<'p> Compiler<'p> {
         for number in 0..self.parsed.len() {
             self.routine_body(number);
         }
+        self.write_first_numbers();
         for (number, program) in project.programs.iter().enumerate() {
             self.owner = Owner::Program(number);
             self.routine.clear();

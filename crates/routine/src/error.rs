@@ -116,6 +116,8 @@ pub enum FindingKind {
     Module,
     /// A tag of another controller, or for one.
     Shared,
+    /// A number in a text that is not the first value of its tag.
+    FirstNumber,
     /// An operand, a tag or a text that does not fit.
     Error,
 }
@@ -129,7 +131,7 @@ impl FindingKind {
             Self::Type => "type",
             Self::Program => "program",
             Self::Task => "task",
-            Self::Tag | Self::Shared => "tag",
+            Self::Tag | Self::Shared | Self::FirstNumber => "tag",
             Self::Module => "module",
             Self::Error => "error",
         }

@@ -435,15 +435,10 @@ impl<'t> Described<'t> {
         }
     }
 
-    fn of_row(name: &str, kind: Kind, text: &'t str, structure: Option<&str>) -> Self {
-        let shown = match name {
-            "Preset" => "PRE",
-            "Accum" => "ACC",
-            "Length" => "LEN",
-            _ => "POS",
-        };
+    fn of_row(name: &'static str, kind: Kind, text: &'t str, structure: Option<&str>) -> Self {
+        let shown = kind.shown_member(name).zip(structure);
         let value = match kind {
-            Kind::Shown => structure.map(|structure| format!("{structure}.{shown}")),
+            Kind::Shown => shown.map(|(member, structure)| format!("{structure}.{member}")),
             Kind::Routine | Kind::Label | Kind::Task | Kind::Name | Kind::Word(_) => None,
             _ => Some(text.to_owned()),
         };

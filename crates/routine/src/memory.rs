@@ -13,6 +13,16 @@ use crate::error::{Finding, FindingKind};
 use crate::source::{Access, Datum, Project, TagSource, is_module};
 use crate::types::Types;
 
+/// Writes the first values of the definitions of add-on instructions to an instance.
+pub(crate) fn first_values_of_instance(project: &Project, data_type: &DataType, bytes: &mut [u8]) {
+    FirstValues::new(&definitions(project)).instances(&TagType::scalar(data_type.clone()), bytes);
+}
+
+fn definitions(project: &Project) -> Definitions<'_> {
+    let all = project.instructions.iter();
+    all.map(|one| (one.name.to_ascii_lowercase(), one)).collect()
+}
+
 /// A tag and its place in the memory.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Tag {
@@ -28,6 +38,8 @@ pub struct Tag {
     pub at: u32,
     /// Bits of an array of BOOLs, whose words may have more.
     pub(crate) bits: Option<u32>,
+    /// The file has its first value.
+    pub(crate) has_value: bool,
 }
 
 impl Tag {
@@ -76,11 +88,7 @@ impl Tags {
         findings: &mut Vec<Finding>,
     ) -> Self {
         let mut tags = Tags::default();
-        let definitions: Definitions<'_> = project
-            .instructions
-            .iter()
-            .map(|one| (one.name.to_ascii_lowercase(), one))
-            .collect();
+        let definitions = definitions(project);
         for source in &project.tags {
             if let Some(symbol) = tags.add(source, None, types, object, &definitions, findings) {
                 tags.controller.insert(source.name.to_ascii_lowercase(), symbol);
@@ -170,6 +178,7 @@ impl Tags {
             access: source.access,
             at: at as u32,
             bits,
+            has_value: source.value.is_some(),
         });
         Some(Symbol::Tag(self.list.len() - 1))
     }

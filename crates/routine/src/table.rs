@@ -162,6 +162,19 @@ pub(crate) enum Kind {
     Name,
 }
 
+impl Kind {
+    /// The member that an operand of this name shows, if it shows one.
+    pub(crate) fn shown_member(self, name: &'static str) -> Option<&'static str> {
+        (self == Kind::Shown).then_some(match name {
+            "Preset" => "PRE",
+            "Accum" => "ACC",
+            "Length" => "LEN",
+            "Position" => "POS",
+            member => member,
+        })
+    }
+}
+
 /// The dependence of an instruction on its rung.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Form {

@@ -4,6 +4,7 @@ mod aliases;
 mod by_reference;
 mod effects;
 mod events;
+mod first_numbers;
 mod instructions;
 mod mended;
 mod messages;

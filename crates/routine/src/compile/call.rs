@@ -125,6 +125,7 @@ impl Compiler<'_> {
                 arguments
             }
         };
+        self.first_numbers(row, operands)?;
         let name = self.text(name);
         let is_edge = row.form == Form::Edge;
         Ok(Some(Instruction {
