@@ -253,8 +253,20 @@ pub(crate) enum Node {
     Ote(u32, u8),
     Otl(u32, u8),
     Otu(u32, u8),
+    /// Arithmetic of two DINTs; the DINT at that byte has the result.
+    Compute(Whole, DintOperand, DintOperand, u32),
+    /// A DINT to the DINT at that byte.
+    Move(DintOperand, u32),
+    Compare(Compare, DintOperand, DintOperand),
     Branch(Box<[Box<[Node]>]>),
     Instruction(Box<Instruction>),
+}
+
+/// A DINT: a number, or the one at a byte of the memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum DintOperand {
+    Number(i32),
+    At(u32),
 }
 
 /// An instruction with its operands.
@@ -436,8 +448,8 @@ pub(crate) enum Body {
 pub(crate) struct Rung {
     pub(crate) number: u32,
     pub(crate) nodes: Box<[Node]>,
-    /// Whether all its instructions are of one known bit, so that they call nothing and cannot fault.
-    pub(crate) is_of_bits: bool,
+    /// Whether all its instructions are of bits and DINTs with known places, so that they call nothing and cannot fault.
+    pub(crate) is_simple: bool,
     /// Whether it can settle.
     pub(crate) settles: bool,
     /// The first byte of its only timer, if no other operand depends on the timer's time.
@@ -448,10 +460,10 @@ pub(crate) struct Rung {
 
 impl Rung {
     pub(crate) fn new(number: u32, nodes: Box<[Node]>) -> Self {
-        let is_bit = |node: &Node| !matches!(node, Node::Branch(_) | Node::Instruction(_));
+        let is_simple = |node: &Node| !matches!(node, Node::Branch(_) | Node::Instruction(_));
         Rung {
             number,
-            is_of_bits: nodes.iter().all(is_bit),
+            is_simple: nodes.iter().all(is_simple),
             settles: false,
             timer: None,
             behind: 0,

@@ -9,8 +9,8 @@ use arcline_instruction_set::MotionControl;
 use arcline_tag::Elementary;
 
 use crate::code::{
-    Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, Ex, Index, Instruction, Node, Place, Referenced,
-    Rung, Select, Statement, TextPart,
+    Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, DintOperand, Ex, Index, Instruction, Node, Place,
+    Referenced, Rung, Select, Statement, TextPart,
 };
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
@@ -184,9 +184,23 @@ impl<'c> Finder<'c> {
             | Node::Ote(at, mask)
             | Node::Otl(at, mask)
             | Node::Otu(at, mask) => self.note(*at, at + 1, *mask),
+            Node::Compute(_, a, b, to) => [*a, *b, DintOperand::At(*to)]
+                .into_iter()
+                .try_for_each(|one| self.dint(one)),
+            Node::Move(from, to) => [*from, DintOperand::At(*to)]
+                .into_iter()
+                .try_for_each(|one| self.dint(one)),
+            Node::Compare(_, a, b) => [*a, *b].into_iter().try_for_each(|one| self.dint(one)),
             Node::Branch(legs) => legs.iter().try_for_each(|leg| self.nodes(leg)),
             Node::Instruction(instruction) => self.instruction(instruction),
         })
+    }
+
+    fn dint(&mut self, operand: DintOperand) -> Known {
+        match operand {
+            DintOperand::Number(_) => Some(()),
+            DintOperand::At(at) => self.note(at, at + 4, 0xFF),
+        }
     }
 
     fn statements(&mut self, statements: &[Statement]) -> Known {

@@ -1,9 +1,11 @@
 //! Rungs and instructions: the table's row, the operands by their kinds.
 
+use arcline_tag::Elementary;
+
 use super::expression::{Sort, arithmetic, cast, compared};
 use super::fit::transfers;
 use super::{Compiler, Wrong};
-use crate::code::{Argument, Compare, Ex, Instruction, Node, Place, Select, Transfer};
+use crate::code::{Argument, Cellular, Compare, DintOperand, Ex, Instruction, Node, Place, Select, Transfer};
 use crate::error::FindingKind;
 use crate::expression::{Binary, Expression};
 use crate::rll::Element;
@@ -368,12 +370,49 @@ fn simple(instruction: Instruction) -> Node {
         },
         _ => None,
     };
-    match (instruction.op, fixed) {
-        (Op::Xic, Some((at, mask))) => Node::Xic(at, mask),
-        (Op::Xio, Some((at, mask))) => Node::Xio(at, mask),
-        (Op::Ote, Some((at, mask))) => Node::Ote(at, mask),
-        (Op::Otl, Some((at, mask))) => Node::Otl(at, mask),
-        (Op::Otu, Some((at, mask))) => Node::Otu(at, mask),
-        _ => Node::Instruction(Box::new(instruction)),
+    let of_bit = match (instruction.op, fixed) {
+        (Op::Xic, Some((at, mask))) => Some(Node::Xic(at, mask)),
+        (Op::Xio, Some((at, mask))) => Some(Node::Xio(at, mask)),
+        (Op::Ote, Some((at, mask))) => Some(Node::Ote(at, mask)),
+        (Op::Otl, Some((at, mask))) => Some(Node::Otl(at, mask)),
+        (Op::Otu, Some((at, mask))) => Some(Node::Otu(at, mask)),
+        _ => None,
+    };
+    of_bit
+        .or_else(|| of_dints(&instruction))
+        .unwrap_or_else(|| Node::Instruction(Box::new(instruction)))
+}
+
+/// An instruction whose operands are DINTs with known places.
+fn of_dints(instruction: &Instruction) -> Option<Node> {
+    match (instruction.op, &*instruction.arguments) {
+        (Op::Compute, [Argument::Integer(Ex::Whole(operation, operands)), target]) => {
+            let (a, b) = (dint(&operands.0)?, dint(&operands.1)?);
+            Some(Node::Compute(*operation, a, b, dint_target(target)?))
+        }
+        (Op::Mov, [Argument::Integer(value), target]) => Some(Node::Move(dint(value)?, dint_target(target)?)),
+        (Op::Compare(_), [Argument::Integer(Ex::Compare(compare, operands))]) => {
+            Some(Node::Compare(*compare, dint(&operands.0)?, dint(&operands.1)?))
+        }
+        _ => None,
+    }
+}
+
+fn dint(value: &Ex) -> Option<DintOperand> {
+    match value {
+        Ex::Integer(number) => i32::try_from(*number).ok().map(DintOperand::Number),
+        Ex::Dint(at) => Some(DintOperand::At(*at)),
+        _ => None,
+    }
+}
+
+/// The first byte of a DINT with a known place.
+fn dint_target(target: &Argument) -> Option<u32> {
+    match target {
+        Argument::Target(Cellular {
+            place: Place { base: 0, at, index },
+            kind: Elementary::Dint,
+        }) if index.is_empty() => Some(*at),
+        _ => None,
     }
 }

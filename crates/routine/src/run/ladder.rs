@@ -1,9 +1,10 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
 use super::Number;
+use super::value::holds;
 use super::{BUDGET, Cursor, Exit, Host, MAX_CALLS, Run, STATUS_EVENT, Scan};
 use crate::NoMachine;
-use crate::code::{Argument, Body, Instruction, Node, Rung, Statement, Transfer};
+use crate::code::{Argument, Body, DintOperand, Instruction, Node, Rung, Statement, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -64,9 +65,9 @@ impl<'s> Scan<'s> {
                 self.go_on(instructions as usize)?;
                 continue;
             }
-            if !TRACED && rung.is_of_bits {
+            if !TRACED && rung.is_simple {
                 let end = (next + TOGETHER).min(rungs.len());
-                next += self.bits(rungs.get(next..end).unwrap_or_default(), step);
+                next += self.simple_rungs(rungs.get(next..end).unwrap_or_default(), step);
                 self.go_on(0)?;
                 continue;
             }
@@ -216,46 +217,22 @@ impl<'s> Scan<'s> {
         (self.s.overflow, self.s.zero, self.s.negative, self.s.carry) = flags;
     }
 
-    /// Runs the rungs at the beginning of these that have instructions of one bit only, up to a settled one; returns how many they are.
-    fn bits(&mut self, rungs: &'s [Rung], step: Option<u32>) -> usize {
+    /// Runs the simple rungs at the beginning of these, up to a settled one; returns how many they are.
+    fn simple_rungs(&mut self, rungs: &'s [Rung], step: Option<u32>) -> usize {
         let on = self.has_power();
         let step = step.filter(|_| on);
-        let memory = &mut self.s.memory;
         let (mut count, mut instructions) = (0, 0);
-        for rung in rungs.iter().take_while(|rung| rung.is_of_bits) {
+        for rung in rungs.iter().take_while(|rung| rung.is_simple) {
             let step = step.filter(|_| rung.settles).map(|step| step + count as u32);
-            if step.is_some_and(|step| count > 0 && memory.settled(step, step + 1) > 0) {
+            if step.is_some_and(|step| count > 0 && self.s.memory.settled(step, step + 1) > 0) {
                 break;
             }
-            let changes = memory.changes();
+            let changes = self.begin_step(step);
             let mut power = on;
             for node in &rung.nodes {
-                let (Node::Xic(at, mask)
-                | Node::Xio(at, mask)
-                | Node::Ote(at, mask)
-                | Node::Otl(at, mask)
-                | Node::Otu(at, mask)) = node
-                else {
-                    break;
-                };
-                let at = *at as usize;
-                let Some(byte) = memory.get(at) else {
-                    break;
-                };
-                match node {
-                    Node::Xic(..) => power &= *byte & mask != 0,
-                    Node::Xio(..) => power &= *byte & mask == 0,
-                    Node::Ote(..) => memory.set(at, *mask, power),
-                    Node::Otl(..) if power => memory.set(at, *mask, true),
-                    Node::Otu(..) if power => memory.set(at, *mask, false),
-                    _ => {}
-                }
+                power = self.simple(node, power);
             }
-            if let Some(step) = step
-                && memory.changes() == changes
-            {
-                memory.settle(step, false);
-            }
+            self.end_step(step, changes, None);
             count += 1;
             instructions += rung.nodes.len() + 1;
         }
@@ -263,27 +240,68 @@ impl<'s> Scan<'s> {
         count
     }
 
+    /// Executes an instruction of bits or DINTs with known places; returns the condition behind it.
+    #[inline]
+    fn simple(&mut self, node: &Node, power: bool) -> bool {
+        match node {
+            Node::Xic(at, mask) => power && self.has(*at, *mask),
+            Node::Xio(at, mask) => power && !self.has(*at, *mask),
+            Node::Ote(at, mask) => {
+                self.set(*at, *mask, power);
+                power
+            }
+            Node::Otl(at, mask) => {
+                if power {
+                    self.set(*at, *mask, true);
+                }
+                power
+            }
+            Node::Otu(at, mask) => {
+                if power {
+                    self.set(*at, *mask, false);
+                }
+                power
+            }
+            Node::Compute(operation, a, b, to) => {
+                if power {
+                    self.begin_arithmetic();
+                    let result = self.operate(*operation, self.dint_operand(*a), self.dint_operand(*b));
+                    self.store_dint(*to, result);
+                }
+                power
+            }
+            Node::Move(from, to) => {
+                if power {
+                    self.begin_arithmetic();
+                    self.store_dint(*to, self.dint_operand(*from));
+                }
+                power
+            }
+            Node::Compare(compare, a, b) => power && holds(*compare, self.dint_operand(*a).cmp(&self.dint_operand(*b))),
+            Node::Branch(_) | Node::Instruction(_) => power,
+        }
+    }
+
+    fn dint_operand(&self, operand: DintOperand) -> i64 {
+        i64::from(match operand {
+            DintOperand::Number(number) => number,
+            DintOperand::At(at) => self.dint(at),
+        })
+    }
+
+    /// Stores a result with its flags; an overflow keeps the low bits.
+    fn store_dint(&mut self, to: u32, result: i64) {
+        let low = result as i32;
+        if i64::from(low) != result {
+            self.set_overflow();
+        }
+        self.put_dint(to, low);
+        self.flags(Number::Whole(i64::from(low)));
+    }
+
     fn nodes<const TRACED: bool>(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {
         for node in nodes {
             power = match node {
-                Node::Xic(at, mask) => power && self.has(*at, *mask),
-                Node::Xio(at, mask) => power && !self.has(*at, *mask),
-                Node::Ote(at, mask) => {
-                    self.set(*at, *mask, power);
-                    power
-                }
-                Node::Otl(at, mask) => {
-                    if power {
-                        self.set(*at, *mask, true);
-                    }
-                    power
-                }
-                Node::Otu(at, mask) => {
-                    if power {
-                        self.set(*at, *mask, false);
-                    }
-                    power
-                }
                 Node::Branch(legs) => {
                     let mut out = false;
                     for leg in legs {
@@ -293,6 +311,7 @@ impl<'s> Scan<'s> {
                     out
                 }
                 Node::Instruction(instruction) => self.instruction(instruction, power)?,
+                simple => self.simple(simple, power),
             };
             if TRACED {
                 self.s.trace_power(power);
@@ -526,5 +545,5 @@ impl<'s> Scan<'s> {
     }
 }
 
-/// Rungs of bits between which clients do not write.
+/// Simple rungs between which clients do not write.
 const TOGETHER: usize = 16;

@@ -336,7 +336,7 @@ impl Scan<'_> {
         })
     }
 
-    fn operate(&mut self, operation: Whole, a: i64, b: i64) -> i64 {
+    pub(super) fn operate(&mut self, operation: Whole, a: i64, b: i64) -> i64 {
         let checked = match operation {
             Whole::Add => a.checked_add(b),
             Whole::Subtract => a.checked_sub(b),
@@ -523,7 +523,7 @@ fn round(value: f64, width: Width) -> f64 {
     }
 }
 
-fn holds(compare: Compare, order: std::cmp::Ordering) -> bool {
+pub(super) fn holds(compare: Compare, order: std::cmp::Ordering) -> bool {
     match compare {
         Compare::Less => order.is_lt(),
         Compare::LessEqual => order.is_le(),
