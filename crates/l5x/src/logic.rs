@@ -29,6 +29,7 @@ pub fn logic(text: &str, file: &str) -> Result<Project, L5xError> {
     let root = document.root_element();
     let controller = source.controller(root)?;
     let mut project = Project {
+        processor: controller.attribute("ProcessorType").unwrap_or_default().to_owned(),
         fault_handler: controller
             .attribute("MajorFaultProgram")
             .filter(|name| !name.is_empty())

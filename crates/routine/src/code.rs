@@ -390,6 +390,8 @@ pub(crate) enum Attribute {
     /// The fault record of a program.
     Record(u32),
     DisableFlag(u32),
+    /// A name, for a text.
+    Name(NameOf),
     /// A constant.
     Constant(Box<[u8]>),
     /// A number that does not change while the machine runs.
@@ -404,6 +406,17 @@ pub(crate) enum Attribute {
     Missing,
     /// An attribute of a motion object, by its number at the host.
     Host(u32),
+}
+
+/// The part of a project whose name GSV reads.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum NameOf {
+    /// A program; `None`: the one that runs, also in an add-on instruction.
+    Program(Option<u32>),
+    /// A task, or that of the program that runs.
+    Task(Option<u32>),
+    /// The routine that runs.
+    Routine,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

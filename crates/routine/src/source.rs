@@ -9,6 +9,8 @@ use crate::error::Finding;
 /// A project.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Project {
+    /// The catalogue number of the controller.
+    pub processor: String,
     /// Structure types of the project.
     pub types: Vec<TypeSource>,
     /// Add-on instructions.

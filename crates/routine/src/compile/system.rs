@@ -4,9 +4,10 @@ use arcline_instruction_set::Object;
 use arcline_tag::DataType;
 
 use super::{Compiler, Owner, Wrong};
-use crate::code::{Attribute, Cellular, System, TaskAttribute, WallClock};
+use crate::code::{Attribute, Cellular, NameOf, System, TaskAttribute, WallClock};
 use crate::expression::Expression;
 use crate::table::Op;
+use crate::types::text_layout;
 
 impl Compiler<'_> {
     /// The effect of GSV and SSV without a known attribute: 0, and a minor fault.
@@ -25,6 +26,16 @@ impl Compiler<'_> {
         };
         let area = self.area_of(tag).map_err(|reason| format!("{tag}: {reason}"))?;
         let (class, attribute) = (class.to_ascii_lowercase(), attribute.to_ascii_lowercase());
+        if attribute == "name" {
+            let name = self.name_of(&class, instance).filter(|_| op == Op::Gsv);
+            if name.is_some() && text_layout(&area.data_type).is_none() {
+                return Err(format!("{tag}: expected a STRING for a name"));
+            }
+            return Ok(name.map(|name| System {
+                attribute: Attribute::Name(name),
+                area,
+            }));
+        }
         let found = match class.as_str() {
             "wallclocktime" => match attribute.as_str() {
                 "localdatetime" | "datetime" => Some(Attribute::WallClock(WallClock::DateTime)),
@@ -54,6 +65,15 @@ impl Compiler<'_> {
                 "status" => Some(Attribute::Constant(Box::new(0x0060_i16.to_le_bytes()))),
                 "vendor" => Some(Attribute::Constant(Box::new(1_i16.to_le_bytes()))),
                 "type" => Some(Attribute::Constant(Box::new(14_i16.to_le_bytes()))),
+                // Those of the Identity object: product 1, revision 33.11.
+                "productcode" => Some(Attribute::Constant(Box::new(1_i16.to_le_bytes()))),
+                "productrev" => Some(Attribute::Constant(Box::new([33, 11]))),
+                // The number of its characters, and those.
+                "devicename" => {
+                    let name = self.project.processor.bytes().take(MAX_DEVICE_NAME);
+                    let name: Vec<u8> = std::iter::once(name.len() as u8).chain(name).collect();
+                    Some(Attribute::Constant(name.into()))
+                }
                 _ => None,
             },
             "axis" | "coordinatesystem" | "motiongroup" => self.object_attribute(&class, instance, &attribute),
@@ -76,6 +96,7 @@ impl Compiler<'_> {
             | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status) => true,
             Attribute::Task(..)
             | Attribute::WallClock(_)
+            | Attribute::Name(_)
             | Attribute::Constant(_)
             | Attribute::Number(_)
             | Attribute::Member(_)
@@ -87,6 +108,22 @@ impl Compiler<'_> {
     fn has_module(&self, name: &str) -> bool {
         let all = &self.project.modules;
         all.is_empty() || all.iter().any(|one| one.eq_ignore_ascii_case(name))
+    }
+
+    /// The program, task or routine whose name is read.
+    fn name_of(&self, class: &str, instance: &str) -> Option<NameOf> {
+        let is_this = instance.eq_ignore_ascii_case("THIS");
+        let place = |place: Option<usize>| place.and_then(|place| u32::try_from(place).ok());
+        let named = |name: &str| name.eq_ignore_ascii_case(instance);
+        let (programs, tasks) = (&self.project.programs, &self.project.tasks);
+        match class {
+            "program" if is_this => Some(NameOf::Program(None)),
+            "program" => place(programs.iter().position(|one| named(&one.name))).map(|one| NameOf::Program(Some(one))),
+            "task" if is_this => Some(NameOf::Task(None)),
+            "task" => place(tasks.iter().position(|one| named(&one.name))).map(|one| NameOf::Task(Some(one))),
+            "routine" if is_this => Some(NameOf::Routine),
+            _ => None,
+        }
     }
 
     fn task_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {
@@ -170,3 +207,6 @@ impl Compiler<'_> {
         tag.map_or_else(|| instance.to_owned(), |tag| tag.name.clone())
     }
 }
+
+/// Characters of DeviceName, which has 33 bytes.
+const MAX_DEVICE_NAME: usize = 32;

@@ -1,7 +1,7 @@
 //! GSV, SSV and MSG (spec/programs.md §10.8).
 
 use super::{MAX_MESSAGES, Run, Scan, Sent};
-use crate::code::{Area, Attribute, Reply, System, TaskAttribute, WallClock, When};
+use crate::code::{Area, Attribute, NameOf, Reply, System, TaskAttribute, WallClock, When};
 use crate::table::Op;
 use arcline_tag::DataType;
 
@@ -22,7 +22,7 @@ const NUMBER: usize = 4;
 /// The timeout of a message that has none, ns.
 const TIMEOUT: u64 = 30_000_000_000;
 
-impl Scan<'_> {
+impl<'s> Scan<'s> {
     pub(crate) fn system(&mut self, op: Op, system: &System) -> Run<()> {
         self.s.is_restless = true;
         let range = self.range(&system.area)?;
@@ -67,6 +67,18 @@ impl Scan<'_> {
                 put(&mut value, &[u8::from(flag)])
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
+            Attribute::Name(of) => {
+                // At most as many characters as the text has room for.
+                let name = self.name_of(*of).as_bytes();
+                let characters = name.len().min(room.saturating_sub(4)).min(value.len() - 4);
+                self.fits(name.len(), characters);
+                let (length, text) = value.split_at_mut(4);
+                length.copy_from_slice(&(characters as i32).to_le_bytes());
+                for (place, letter) in text.iter_mut().zip(name.iter().take(characters)) {
+                    *place = *letter;
+                }
+                4 + characters
+            }
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
             Attribute::MajorFaults => put(&mut value, &self.s.major_bits.to_le_bytes()),
             Attribute::Events(which) => {
@@ -169,10 +181,29 @@ impl Scan<'_> {
             // SSV of these is refused when the project is loaded.
             Attribute::WallClock(_)
             | Attribute::Task(..)
+            | Attribute::Name(_)
             | Attribute::Constant(_)
             | Attribute::Number(_)
             | Attribute::Member(_) => self.minor(),
         }
+    }
+
+    /// The name of a part of the project.
+    fn name_of(&self, of: NameOf) -> &'s str {
+        let code = self.code;
+        let program = |place: u32| code.programs.get(place as usize).map(|one| one.name);
+        let task = |place: u32| code.tasks.get(place as usize).map(|one| one.name);
+        let name = match of {
+            NameOf::Program(place) => program(place.unwrap_or(self.s.program)),
+            NameOf::Task(Some(place)) => task(place),
+            NameOf::Task(None) => code
+                .tasks
+                .iter()
+                .find(|one| one.programs.contains(&self.s.program))
+                .map(|one| one.name),
+            NameOf::Routine => code.routines.get(self.s.routine as usize).map(|one| one.name),
+        };
+        name.map_or("", |name| code.text(name))
     }
 
     fn task_attribute(&self, task: usize, attribute: TaskAttribute) -> i32 {

@@ -194,6 +194,9 @@ fn system_values() {
     let rows: &[Row] = &[
         ("the clock", "D DINT[7]", "GSV(WallClockTime,,LocalDateTime,D[0]);", ":D[0]=2026;D[6]=6"),
         ("a task", "N DINT, M DINT", "GSV(Task,THIS,Rate,N);\nGSV(Task,Task,Watchdog,M);", ":N=10000;M=500000"),
+        ("the names of what runs", "P STRING, T STRING, R STRING, N DINT", "GSV(Program,THIS,Name,P);\nGSV(Task,THIS,Name,T);\nGSV(Routine,THIS,Name,R);\nFIND(T,'ask',1,N);", ":P.LEN=4;P.DATA[0]=77;P.DATA[3]=110;T.LEN=4;N=2;R.LEN=4"),
+        ("the names of others", "P STRING, T STRING", "GSV(Program,Main,Name,P);\nGSV(Task,Task,Name,T);", ":P.LEN=4;P.DATA[1]=97;T.DATA[0]=84"),
+        ("the controller", "C INT, R INT, D SINT[33] 9", "GSV(ControllerDevice,,ProductCode,C);\nGSV(ControllerDevice,,ProductRev,R);\nGSV(ControllerDevice,,DeviceName,D[0]);", ":C=1;R=2849;D[0]=0"),
         ("an attribute that is smaller keeps the rest", "N DINT -1", "GSV(Program,Main,DisableFlag,N);", ":N=-256"),
         ("a message without answer", "I BOOL 1, M MESSAGE", "XIC(I)MSG(M);", ":M.EN=1;M.ER=0\nM.UnconnectedTimeout=50000:M.EN=1"),
     ];

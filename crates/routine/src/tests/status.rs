@@ -1,6 +1,7 @@
 //! Status bits, and the minor faults of arithmetic (spec/programs.md §7).
 
-use super::{NoMachine, project, script};
+use super::projects::{add_on, member};
+use super::{NoMachine, project, routine, script};
 use crate::load;
 
 #[test]
@@ -70,4 +71,42 @@ fn status_bits_are_written() {
             .collect();
         assert_eq!(told, [format!("Main/Main rung 0: {expected}")]);
     }
+}
+
+/// Names of what runs: in an add-on instruction the program and task that call it. The controller's catalogue number has its count before it.
+#[test]
+fn names_of_the_program_that_calls_and_of_the_controller() {
+    let mut of = project(
+        "A Who, D SINT[8]",
+        &[("Main", "Who(A);\nGSV(ControllerDevice,,DeviceName,D[0]);")],
+    );
+    let mut who = add_on(
+        "Who",
+        Vec::new(),
+        vec![routine(
+            "Logic",
+            "GSV(Program,THIS,Name,P);\nGSV(Task,THIS,Name,T);\nGSV(Routine,THIS,Name,R);",
+        )],
+    );
+    let local = |name: &str| (member(name, "STRING"), None);
+    who.locals = vec![local("P"), local("T"), local("R")];
+    of.instructions = vec![who];
+    of.processor = "1756-L8".to_owned();
+    script(
+        "names",
+        &of,
+        ": A.P.LEN=4; A.P.DATA[0]=77; A.T.LEN=4; A.T.DATA[0]=84; A.R.LEN=5; A.R.DATA[4]=99; D[0]=7; D[1]=49; D[7]=56",
+    );
+}
+
+#[test]
+fn a_name_is_for_a_text() {
+    let of = project("N DINT", &[("Main", "GSV(Program,THIS,Name,N);")]);
+    let findings: Vec<String> = load(&of, &mut NoMachine)
+        .findings
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    let expected = "Main/Main rung 0: GSV(Program,THIS,Name,N): N: expected a STRING for a name";
+    assert_eq!(findings, [expected]);
 }
