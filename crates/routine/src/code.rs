@@ -27,6 +27,13 @@ pub(crate) struct Place {
     pub(crate) index: Box<[Index]>,
 }
 
+impl Place {
+    /// Its byte, if it is known before the project runs.
+    pub(crate) fn fixed(&self) -> Option<u32> {
+        (self.base == 0 && self.index.is_empty()).then_some(self.at)
+    }
+}
+
 /// A subscript that is calculated.
 #[derive(Clone, Debug)]
 pub(crate) struct Index {
@@ -390,8 +397,8 @@ pub(crate) enum Attribute {
     /// The fault record of a program.
     Record(u32),
     DisableFlag(u32),
-    /// A name, for a text.
-    Name(NameOf),
+    /// A name, and the text that it goes into.
+    Name(NameOf, TextPart),
     /// A constant.
     Constant(Box<[u8]>),
     /// A number that does not change while the machine runs.

@@ -272,17 +272,17 @@ impl<'p> Compiler<'p> {
             "axisregistration2" => "RegEvent2Status",
             "moduleinputdatastatechange" => {
                 let area = self.area_of(tag).ok()?;
-                let is_fixed = area.place.base == 0 && area.place.index.is_empty();
-                let (from, length) = (area.place.at, if area.is_whole { area.length } else { 1 });
+                let from = area.place.fixed()?;
+                let length = if area.is_whole { area.length } else { 1 };
                 let to = from + area.size * length;
-                return is_fixed.then_some(When::Change { from, to });
+                return Some(When::Change { from, to });
             }
             _ => return None,
         };
         let reference = Expression::parse_reference(&format!("{tag}.{bit}")).ok()?;
         let bit = self.resolve(&reference).ok()?.as_bit()?;
-        match (bit.select, bit.place.index.is_empty()) {
-            (Select::Mask(mask), true) => Some(When::Bit { at: bit.place.at, mask }),
+        match (bit.select, bit.place.fixed()) {
+            (Select::Mask(mask), Some(at)) => Some(When::Bit { at, mask }),
             _ => None,
         }
     }

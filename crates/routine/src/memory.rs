@@ -2,7 +2,7 @@
 
 mod values;
 
-pub(crate) use values::number;
+pub(crate) use values::{for_each_structure, number};
 
 use std::collections::BTreeMap;
 

@@ -99,10 +99,7 @@ fn timer(rung: &Rung, operands: &[Operands]) -> Option<u32> {
     let [Area { place, size, .. }] = found.as_slice() else {
         return None;
     };
-    if place.base != 0 || !place.index.is_empty() {
-        return None;
-    }
-    let at = place.at;
+    let at = place.fixed()?;
     let own = Operands {
         from: at,
         to: at + size,

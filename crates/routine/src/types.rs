@@ -228,7 +228,7 @@ impl Types {
 }
 
 /// The tag at the beginning of a path.
-fn root_of(path: &str) -> &str {
+pub(crate) fn root_of(path: &str) -> &str {
     path.split(['.', '[']).next().unwrap_or(path)
 }
 

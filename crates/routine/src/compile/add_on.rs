@@ -213,8 +213,10 @@ impl Compiler<'_> {
         }
         check_type(&parameter.data_type, &found)?;
         check_size(parameter, &found)?;
-        if place.base == 0 && matches!(found.data_type, DataType::Structure(_)) && place.index.is_empty() {
-            self.share_if_motion(&found.data_type, place.at);
+        if let Some(at) = place.fixed()
+            && matches!(found.data_type, DataType::Structure(_))
+        {
+            self.share_if_motion(&found.data_type, at);
         }
         let sizes = Sizes {
             dimensions: found.dimensions,

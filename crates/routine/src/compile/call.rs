@@ -5,7 +5,7 @@ use arcline_tag::Elementary;
 use super::expression::{Sort, arithmetic, cast, compared};
 use super::fit::transfers;
 use super::{Compiler, Wrong};
-use crate::code::{Argument, Cellular, Compare, DintOperand, Ex, Instruction, Node, Place, Select, Transfer};
+use crate::code::{Argument, Compare, DintOperand, Ex, Instruction, Node, Select, Transfer};
 use crate::error::FindingKind;
 use crate::expression::{Binary, Expression};
 use crate::rll::Element;
@@ -364,8 +364,8 @@ pub(crate) fn unsigned(value: Ex) -> Ex {
 /// The short form of an instruction of one bit whose byte is known.
 fn simple(instruction: Instruction) -> Node {
     let fixed = match instruction.arguments.first() {
-        Some(Argument::Bit(bit)) => match (&bit.place, &bit.select) {
-            (Place { base: 0, at, index }, Select::Mask(mask)) if index.is_empty() => Some((*at, *mask)),
+        Some(Argument::Bit(bit)) => match (bit.place.fixed(), &bit.select) {
+            (Some(at), Select::Mask(mask)) => Some((at, *mask)),
             _ => None,
         },
         _ => None,
@@ -409,10 +409,7 @@ fn dint(value: &Ex) -> Option<DintOperand> {
 /// The first byte of a DINT with a known place.
 fn dint_target(target: &Argument) -> Option<u32> {
     match target {
-        Argument::Target(Cellular {
-            place: Place { base: 0, at, index },
-            kind: Elementary::Dint,
-        }) if index.is_empty() => Some(*at),
+        Argument::Target(cell) if cell.kind == Elementary::Dint => cell.place.fixed(),
         _ => None,
     }
 }

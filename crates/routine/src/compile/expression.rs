@@ -172,10 +172,9 @@ impl Compiler<'_> {
         match found.data_type {
             DataType::Elementary(kind) => {
                 let place = found.place();
-                let value = if kind == Elementary::Dint && place.base == 0 && place.index.is_empty() {
-                    Ex::Dint(place.at)
-                } else {
-                    Ex::Load(Box::new(Cellular { place, kind }))
+                let value = match place.fixed() {
+                    Some(at) if kind == Elementary::Dint => Ex::Dint(at),
+                    _ => Ex::Load(Box::new(Cellular { place, kind })),
                 };
                 Ok((value, Sort::of(kind)))
             }

@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use arcline_tag::{DataType, Template};
-
 use super::{Compiler, Owner, Wrong};
+use crate::code::{Argument, Ex};
 use crate::error::FindingKind;
-use crate::expression::{Expression, Unary};
+use crate::expression::Expression;
+use crate::memory::for_each_structure;
 use crate::source::InstructionSource;
 use crate::table::{Kind, Row};
+use crate::types::root_of;
 
 /// The numbers of the texts so far.
 #[derive(Debug, Default)]
@@ -30,7 +31,11 @@ impl Compiler<'_> {
             let Some(member) = kind.shown_member(name).filter(|_| text.trim() != "?") else {
                 continue;
             };
-            let number = literal(text).and_then(|number| i32::try_from(number).ok());
+            let value = Expression::parse(text).ok().and_then(|value| self.value(&value).ok());
+            let number = match value {
+                Some(Argument::Integer(Ex::Integer(number))) => i32::try_from(number).ok(),
+                _ => None,
+            };
             let number = number.ok_or_else(|| format!("{name} {text}: expected ? or a number that a DINT holds"))?;
             self.first_number(structure, member, number)?;
         }
@@ -110,32 +115,18 @@ impl Compiler<'_> {
             return;
         }
         for tag in self.tags.list.iter().filter(|tag| !tag.has_value) {
-            let size = tag.tag_type.data_type.size().max(1);
             let from = tag.at as usize;
-            for at in (from..from + tag.tag_type.size()).step_by(size) {
-                write_instances(&mut self.tags.bytes, at, &tag.tag_type.data_type, &by_type);
-            }
+            let bytes = self.tags.bytes.get_mut(from..from + tag.tag_type.size());
+            for_each_structure(
+                &tag.tag_type.data_type,
+                bytes.unwrap_or_default(),
+                &mut |template, bytes| {
+                    for (at, number) in by_type.get(&template.name.to_ascii_lowercase()).into_iter().flatten() {
+                        put(bytes, *at as usize, *number);
+                    }
+                },
+            );
         }
-    }
-}
-
-/// Writes the numbers of the add-on instructions to the instance at a place, and to those in it.
-fn write_instances(bytes: &mut [u8], at: usize, data_type: &DataType, numbers: &BTreeMap<String, Vec<(u32, i32)>>) {
-    let DataType::Structure(template) = data_type else {
-        return;
-    };
-    let template: &Template = template;
-    for member in &template.members {
-        let size = member.data_type.size();
-        if size > 0 && matches!(member.data_type, DataType::Structure(_)) {
-            let from = at + member.offset as usize;
-            for at in (from..from + member.size()).step_by(size) {
-                write_instances(bytes, at, &member.data_type, numbers);
-            }
-        }
-    }
-    for (place, number) in numbers.get(&template.name.to_ascii_lowercase()).into_iter().flatten() {
-        put(bytes, at + *place as usize, *number);
     }
 }
 
@@ -152,20 +143,8 @@ fn has_value(source: &InstructionSource, name: &str) -> bool {
         .iter()
         .find(|one| one.member.name.eq_ignore_ascii_case(name));
     let alias = parameter.and_then(|one| one.alias.as_deref());
-    let name = alias.map_or(name, |alias| alias.split(['.', '[']).next().unwrap_or_default());
+    let name = alias.map_or(name, root_of);
     parameter.is_some_and(|one| one.value.is_some()) || local(name).is_some_and(|(_, value)| value.is_some())
-}
-
-/// A whole number as a text has it.
-fn literal(text: &str) -> Option<i64> {
-    match Expression::parse(text).ok()? {
-        Expression::Integer(number) => Some(number),
-        Expression::Unary(Unary::Negate, operand) => match *operand {
-            Expression::Integer(number) => number.checked_neg(),
-            _ => None,
-        },
-        _ => None,
-    }
 }
 
 fn dint(bytes: &[u8], at: usize) -> Option<i32> {

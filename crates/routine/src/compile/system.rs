@@ -7,7 +7,6 @@ use super::{Compiler, Owner, Wrong};
 use crate::code::{Attribute, Cellular, NameOf, System, TaskAttribute, WallClock};
 use crate::expression::Expression;
 use crate::table::Op;
-use crate::types::text_layout;
 
 impl Compiler<'_> {
     /// The effect of GSV and SSV without a known attribute: 0, and a minor fault.
@@ -27,14 +26,13 @@ impl Compiler<'_> {
         let area = self.area_of(tag).map_err(|reason| format!("{tag}: {reason}"))?;
         let (class, attribute) = (class.to_ascii_lowercase(), attribute.to_ascii_lowercase());
         if attribute == "name" {
-            let name = self.name_of(&class, instance).filter(|_| op == Op::Gsv);
-            if name.is_some() && text_layout(&area.data_type).is_none() {
-                return Err(format!("{tag}: expected a STRING for a name"));
-            }
-            return Ok(name.map(|name| System {
-                attribute: Attribute::Name(name),
-                area,
-            }));
+            let Some(name) = self.name_of(&class, instance).filter(|_| op == Op::Gsv) else {
+                return Ok(None);
+            };
+            let text = Expression::parse(tag).ok().and_then(|tag| self.text_part(&tag));
+            let text = text.ok_or_else(|| format!("{tag}: expected a STRING for a name"))?;
+            let attribute = Attribute::Name(name, text);
+            return Ok(Some(System { attribute, area }));
         }
         let found = match class.as_str() {
             "wallclocktime" => match attribute.as_str() {
@@ -96,7 +94,7 @@ impl Compiler<'_> {
             | Attribute::Task(_, TaskAttribute::InhibitTask | TaskAttribute::Status) => true,
             Attribute::Task(..)
             | Attribute::WallClock(_)
-            | Attribute::Name(_)
+            | Attribute::Name(..)
             | Attribute::Constant(_)
             | Attribute::Number(_)
             | Attribute::Member(_)
@@ -113,17 +111,24 @@ impl Compiler<'_> {
     /// The program, task or routine whose name is read.
     fn name_of(&self, class: &str, instance: &str) -> Option<NameOf> {
         let is_this = instance.eq_ignore_ascii_case("THIS");
-        let place = |place: Option<usize>| place.and_then(|place| u32::try_from(place).ok());
-        let named = |name: &str| name.eq_ignore_ascii_case(instance);
-        let (programs, tasks) = (&self.project.programs, &self.project.tasks);
         match class {
             "program" if is_this => Some(NameOf::Program(None)),
-            "program" => place(programs.iter().position(|one| named(&one.name))).map(|one| NameOf::Program(Some(one))),
+            "program" => Some(NameOf::Program(Some(self.program_named(instance)? as u32))),
             "task" if is_this => Some(NameOf::Task(None)),
-            "task" => place(tasks.iter().position(|one| named(&one.name))).map(|one| NameOf::Task(Some(one))),
+            "task" => Some(NameOf::Task(Some(self.task_named(instance)? as u32))),
             "routine" if is_this => Some(NameOf::Routine),
             _ => None,
         }
+    }
+
+    fn program_named(&self, name: &str) -> Option<usize> {
+        let mut programs = self.project.programs.iter();
+        programs.position(|one| one.name.eq_ignore_ascii_case(name))
+    }
+
+    fn task_named(&self, name: &str) -> Option<usize> {
+        let mut tasks = self.project.tasks.iter();
+        tasks.position(|one| one.name.eq_ignore_ascii_case(name))
     }
 
     fn task_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {
@@ -137,7 +142,7 @@ impl Compiler<'_> {
                 .iter()
                 .position(|task| task.programs.iter().any(|one| one.eq_ignore_ascii_case(name)))
         } else {
-            tasks.iter().position(|task| task.name.eq_ignore_ascii_case(instance))
+            self.task_named(instance)
         };
         let attribute = match attribute {
             "rate" => TaskAttribute::Rate,
@@ -157,11 +162,7 @@ impl Compiler<'_> {
     fn program_attribute(&mut self, instance: &str, attribute: &str) -> Option<Attribute> {
         let place = match self.owner {
             Owner::Program(program) if instance.eq_ignore_ascii_case("THIS") => Some(program),
-            _ => self
-                .project
-                .programs
-                .iter()
-                .position(|one| one.name.eq_ignore_ascii_case(instance)),
+            _ => self.program_named(instance),
         }? as u32;
         Some(match attribute {
             "majorfaultrecord" => Attribute::Record(place),
@@ -202,8 +203,8 @@ impl Compiler<'_> {
     /// The name of a motion object, for which an alias may stand.
     fn name_of_object(&mut self, instance: &str) -> String {
         let place = self.area_of(instance).map(|area| area.place);
-        let of_controller = place.ok().filter(|place| place.base == 0 && place.index.is_empty());
-        let tag = of_controller.and_then(|place| self.tags.list.iter().find(|tag| tag.at == place.at));
+        let of_controller = place.ok().and_then(|place| place.fixed());
+        let tag = of_controller.and_then(|at| self.tags.list.iter().find(|tag| tag.at == at));
         tag.map_or_else(|| instance.to_owned(), |tag| tag.name.clone())
     }
 }

@@ -55,8 +55,8 @@ impl Compiler<'_> {
         };
         let reference = Expression::parse_reference(&text).map_err(|error| error.to_string())?;
         let bit = self.resolve(&reference)?.as_bit().ok_or("is no BOOL and no bit")?;
-        match (bit.place.base, bit.place.index.is_empty(), bit.select) {
-            (0, true, Select::Mask(mask)) => Ok(FixedBit { at: bit.place.at, mask }),
+        match (bit.place.fixed(), bit.select) {
+            (Some(at), Select::Mask(mask)) => Ok(FixedBit { at, mask }),
             _ => Err("has a subscript that is calculated".to_owned()),
         }
     }

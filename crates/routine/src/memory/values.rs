@@ -11,6 +11,33 @@ use crate::types::text_layout;
 /// The add-on instructions of a project by name in lower case.
 pub(super) type Definitions<'p> = BTreeMap<String, &'p InstructionSource>;
 
+/// Calls `visit` with the template and bytes of each of some elements that are structures, and before it with those in it.
+pub(crate) fn for_each_structure(
+    data_type: &DataType,
+    elements: &mut [u8],
+    visit: &mut dyn FnMut(&Template, &mut [u8]),
+) {
+    structures(data_type, elements, 0, visit);
+}
+
+fn structures(data_type: &DataType, elements: &mut [u8], depth: usize, visit: &mut dyn FnMut(&Template, &mut [u8])) {
+    let DataType::Structure(template) = data_type else {
+        return;
+    };
+    let size = data_type.size();
+    if depth > MAX_DEPTH || size == 0 {
+        return;
+    }
+    for bytes in elements.chunks_exact_mut(size) {
+        for member in &template.members {
+            let from = member.offset as usize;
+            let part = bytes.get_mut(from..from + member.size()).unwrap_or_default();
+            structures(&member.data_type, part, depth + 1, visit);
+        }
+        visit(template, bytes);
+    }
+}
+
 /// Writes first values, and notes the first one that it cannot write.
 pub(super) struct FirstValues<'d> {
     definitions: &'d Definitions<'d>,
@@ -28,32 +55,12 @@ impl<'d> FirstValues<'d> {
 
     /// The values of instances: those of the definitions' parameters and local tags.
     pub(super) fn instances(&mut self, tag_type: &TagType, bytes: &mut [u8]) {
-        let size = tag_type.data_type.size();
-        if size == 0 {
-            return;
-        }
-        for element in bytes.chunks_exact_mut(size) {
-            self.instance(&tag_type.data_type, element, 0);
-        }
+        for_each_structure(&tag_type.data_type, bytes, &mut |template, bytes| {
+            self.instance(template, bytes)
+        });
     }
 
-    fn instance(&mut self, data_type: &DataType, bytes: &mut [u8], depth: usize) {
-        let DataType::Structure(template) = data_type else {
-            return;
-        };
-        if depth > MAX_DEPTH {
-            return;
-        }
-        for member in &template.members {
-            let size = member.data_type.size();
-            if matches!(member.data_type, DataType::Structure(_)) && size > 0 {
-                let from = member.offset as usize;
-                let part = bytes.get_mut(from..from + member.size()).unwrap_or_default();
-                for element in part.chunks_exact_mut(size) {
-                    self.instance(&member.data_type, element, depth + 1);
-                }
-            }
-        }
+    fn instance(&mut self, template: &Template, bytes: &mut [u8]) {
         let Some(definition) = self.definitions.get(&template.name.to_ascii_lowercase()) else {
             return;
         };

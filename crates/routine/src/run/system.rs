@@ -67,18 +67,7 @@ impl<'s> Scan<'s> {
                 put(&mut value, &[u8::from(flag)])
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
-            Attribute::Name(of) => {
-                // At most as many characters as the text has room for.
-                let name = self.name_of(*of).as_bytes();
-                let characters = name.len().min(room.saturating_sub(4)).min(value.len() - 4);
-                self.fits(name.len(), characters);
-                let (length, text) = value.split_at_mut(4);
-                length.copy_from_slice(&(characters as i32).to_le_bytes());
-                for (place, letter) in text.iter_mut().zip(name.iter().take(characters)) {
-                    *place = *letter;
-                }
-                4 + characters
-            }
+            Attribute::Name(of, to) => return self.put_characters(to, self.name_of(*of).as_bytes()),
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
             Attribute::MajorFaults => put(&mut value, &self.s.major_bits.to_le_bytes()),
             Attribute::Events(which) => {
@@ -181,7 +170,7 @@ impl<'s> Scan<'s> {
             // SSV of these is refused when the project is loaded.
             Attribute::WallClock(_)
             | Attribute::Task(..)
-            | Attribute::Name(_)
+            | Attribute::Name(..)
             | Attribute::Constant(_)
             | Attribute::Number(_)
             | Attribute::Member(_) => self.minor(),

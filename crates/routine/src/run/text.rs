@@ -135,6 +135,13 @@ impl Scan<'_> {
         }
     }
 
+    /// Writes characters to a text; those that it has no room for are left out, with a minor fault.
+    pub(crate) fn put_characters(&mut self, to: &TextPart, characters: &[u8]) -> Run<()> {
+        let mut buffer = Buffer::new();
+        buffer.push(characters);
+        self.put_text(to, &buffer)
+    }
+
     /// MOV of a text.
     pub(crate) fn copy_text(&mut self, from: &TextPart, to: &TextPart) -> Run<()> {
         let mut buffer = Buffer::new();

@@ -1,8 +1,8 @@
 //! Numbers in a text in place of `?` (spec/programs.md §3): first values, if the file has no data for the tag.
 
-use super::projects::add_on;
+use super::projects::{add_on, member};
 use super::{NoMachine, project, routine, script};
-use crate::source::{Access, Datum, MemberSource, Project};
+use crate::source::{Datum, Project};
 use crate::{FindingKind, load};
 
 fn told(of: &Project) -> Vec<String> {
@@ -60,15 +60,6 @@ fn what_is_no_number_is_refused() {
 /// The local timers of all instances for which the file has no data, those within others and within arrays among them.
 #[test]
 fn instances_of_add_on_instructions_have_the_numbers_of_their_text() {
-    let local = |name: &str, data_type: &str, value| {
-        let member = MemberSource {
-            name: name.to_owned(),
-            data_type: data_type.to_owned(),
-            dimensions: Vec::new(),
-            access: Access::ReadWrite,
-        };
-        (member, value)
-    };
     let ten = Datum::Structure(
         "TIMER".to_owned(),
         vec![("PRE".to_owned(), Datum::Number("10".to_owned()))],
@@ -78,9 +69,9 @@ fn instances_of_add_on_instructions_have_the_numbers_of_their_text() {
         Vec::new(),
         vec![routine("Logic", "TON(Tm,40,0);\nTON(Own,20,0);")],
     );
-    inner.locals = vec![local("Tm", "TIMER", None), local("Own", "TIMER", Some(ten))];
+    inner.locals = vec![(member("Tm", "TIMER"), None), (member("Own", "TIMER"), Some(ten))];
     let mut outer = add_on("Outer", Vec::new(), vec![routine("Logic", "Inner(In);")]);
-    outer.locals = vec![local("In", "Inner", None)];
+    outer.locals = vec![(member("In", "Inner"), None)];
     let mut of = project(
         "A Outer, B Inner[2]",
         &[("Main", "Outer(A);\nInner(B[0]);\nInner(B[1]);")],

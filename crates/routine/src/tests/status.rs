@@ -100,6 +100,15 @@ fn names_of_the_program_that_calls_and_of_the_controller() {
 }
 
 #[test]
+fn a_name_that_is_too_long_stays_in_its_text() {
+    let rungs = "GSV(Program,THIS,Name,S[0]);\nGSV(FaultLog,,MinorEvents,Count);";
+    let mut of = project("S STRING_16[2], Count INT", &[("Main", rungs)]);
+    of.programs[0].name = "A_name_of_23_characters".to_owned();
+    of.tasks[0].programs = vec!["A_name_of_23_characters".to_owned()];
+    script("a name", &of, ": S[0].LEN=16; S[0].DATA[15]=97; S[1].LEN=0; Count=1");
+}
+
+#[test]
 fn a_name_is_for_a_text() {
     let of = project("N DINT", &[("Main", "GSV(Program,THIS,Name,N);")]);
     let findings: Vec<String> = load(&of, &mut NoMachine)
