@@ -8,6 +8,7 @@ use arcline_contour::{AxisLimits, ContourMove};
 use arcline_planner::geometry::{Arc as Circle, CirclePoint, Dimension, Direction, Path, Point};
 use arcline_planner::profile::{Jerk, Limits};
 use arcline_planner::{Clock, ContourEvent, ContourQueue, Ending, InstalledPlan, Move, Parameter, Sample};
+use arcline_realtime::thread_time;
 
 /// One toolpath.
 pub struct Stream {
@@ -448,12 +449,12 @@ pub fn travel(
         sendable = sendable.min(sent as f64 + feed.per_tick);
         asked.clear();
         if let Some(batch) = queue.batch(&clock, &clock, |motion| asked.push(motion)) {
-            let from = busy();
+            let from = thread_time();
             let planned = match &batch.extends {
                 Some(extension) => extension.plan(&asked, &limits),
                 None => Some(arcline_contour::begin(&asked, &limits)),
             };
-            let took = busy() - from;
+            let took = (thread_time() - from).as_secs_f64();
             told.plans += 1;
             told.not_found += usize::from(planned.is_none());
             told.planning += took;
@@ -486,12 +487,6 @@ pub fn travel(
     told.began = began.unwrap_or(0) as f64 * 1e-3;
     told.motion = clock.tick as f64 * 1e-3 - told.began;
     told
-}
-
-/// Processor time of this thread, s.
-fn busy() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// The greatest acceleration of each axis, mm/s².

@@ -24,6 +24,14 @@ pub enum Clock {
     Step,
 }
 
+/// The processor time of this thread. Time in which the computer did other work does not count.
+#[must_use]
+pub fn thread_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    let part = |number: i64| number.unsigned_abs();
+    Duration::from_secs(part(time.tv_sec)) + Duration::from_nanos(part(time.tv_nsec))
+}
+
 /// Executes ticks on the step clock. Clones belong to the same machine.
 #[derive(Clone)]
 pub struct Stepper(Arc<Shared>);

@@ -18,7 +18,7 @@ mod stops;
 mod tap;
 mod thread;
 
-pub use clock::{Clock, Stepper, Steps};
+pub use clock::{Clock, Stepper, Steps, thread_time};
 pub use commands::{COMMANDS, CommandSender, Full, STOPS};
 pub use contour::Planning;
 pub use meter::Meter;

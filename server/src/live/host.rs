@@ -7,6 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use arcline_cell::{Placed, Places};
 use arcline_controller::image::{ChangedPart, ForeignChanges, Image, TagId};
 use arcline_instruction_set::{Argument, Call, ControlSlot, Mnemonic, MotionControl, MotionError, TagAddress};
+use arcline_realtime::thread_time;
 use arcline_routine::{Cell, Host, Memory, Pace};
 use time::OffsetDateTime;
 
@@ -36,8 +37,7 @@ pub(super) struct LiveHost {
     /// Slots whose false rung condition was sent.
     false_rungs: BTreeSet<u32>,
     pause: Pause,
-    /// The end of the time that a run of a task may take.
-    deadline: Option<Instant>,
+    watchdog: Watchdog,
     /// Rungs until the next check of the clock.
     unseen: u32,
     shown_at: Instant,
@@ -61,7 +61,7 @@ impl LiveHost {
             executed: BTreeMap::new(),
             false_rungs: BTreeSet::new(),
             pause,
-            deadline: None,
+            watchdog: Watchdog::new(LONGEST_RUN),
             unseen: LOOK_EVERY,
             shown_at: Instant::now(),
         }
@@ -179,10 +179,36 @@ impl LiveHost {
             // Takes the answers of the newest tick.
             self.plant.with_image(|_| ());
         }
-        let waited = began.elapsed();
-        // The time of the motion is not that of the program.
-        self.deadline = self.deadline.and_then(|deadline| deadline.checked_add(waited));
         outcome.ok()
+    }
+}
+
+/// Bounds the processor time of a run of a task: neither other work on the computer nor the wait for motion ends a program.
+struct Watchdog {
+    longest: Duration,
+    /// Processor time of the thread at the beginning of the run.
+    began: Duration,
+    /// The run has not had its time before this. Looking at the processor time is a system call.
+    earliest: Option<Instant>,
+}
+
+impl Watchdog {
+    /// A run that begins now.
+    fn new(longest: Duration) -> Self {
+        Watchdog {
+            longest,
+            began: thread_time(),
+            earliest: Instant::now().checked_add(longest),
+        }
+    }
+
+    fn is_over(&mut self, now: Instant) -> bool {
+        if self.earliest.is_none_or(|earliest| now <= earliest) {
+            return false;
+        }
+        let left = self.longest.saturating_sub(thread_time().saturating_sub(self.began));
+        self.earliest = now.checked_add(left);
+        left.is_zero()
     }
 }
 
@@ -369,7 +395,7 @@ impl Host for LiveHost {
             Ok(us) if us > 0 => Duration::from_micros(us),
             _ => LONGEST_RUN,
         };
-        self.deadline = Instant::now().checked_add(longest);
+        self.watchdog = Watchdog::new(longest);
         self.unseen = LOOK_EVERY;
     }
 
@@ -383,7 +409,7 @@ impl Host for LiveHost {
         }
         self.unseen = LOOK_EVERY;
         let now = Instant::now();
-        if self.deadline.is_some_and(|deadline| now > deadline) {
+        if self.watchdog.is_over(now) {
             return Pace::TooLong;
         }
         if now.duration_since(self.shown_at) > SHOW_WITHIN {
@@ -399,3 +425,23 @@ const LOOK_EVERY: u32 = 64;
 const SHOW_WITHIN: Duration = Duration::from_millis(10);
 /// The watchdog of a task without one that is not continuous (spec/programs.md §8).
 const LONGEST_RUN: Duration = Duration::from_millis(500);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_is_held_up_is_not_ended() {
+        let longest = Duration::from_millis(5);
+        let mut watchdog = Watchdog::new(longest);
+        for minutes in 1..=10 {
+            let held_up = Instant::now() + Duration::from_mins(minutes);
+            assert!(!watchdog.is_over(held_up), "it had no processor for {minutes} min");
+        }
+        let mut watchdog = Watchdog::new(longest);
+        let began = thread_time();
+        while !watchdog.is_over(Instant::now()) {}
+        let took = thread_time() - began;
+        assert!(took >= longest.mul_f64(0.99), "{took:?} is less than the watchdog");
+    }
+}

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use arcline_proto::cip::class;
 use arcline_proto::logix::ReadTag;
+use arcline_realtime::thread_time;
 
 use super::*;
 
@@ -33,7 +34,8 @@ impl Turns {
             loop {
                 tokio::task::yield_now().await;
                 let now = thread_time();
-                seen.fetch_max(now - last, Ordering::Relaxed);
+                let turn = u64::try_from((now - last).as_nanos()).expect("years");
+                seen.fetch_max(turn, Ordering::Relaxed);
                 looked.fetch_add(1, Ordering::Release);
                 last = now;
             }
@@ -58,12 +60,6 @@ impl Drop for Turns {
     fn drop(&mut self) {
         self.task.abort();
     }
-}
-
-/// CPU time of this thread, ns.
-fn thread_time() -> u64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64
 }
 
 /// A session that asks one request after another.
