@@ -397,8 +397,8 @@ pub(crate) enum Attribute {
     /// The fault record of a program.
     Record(u32),
     DisableFlag(u32),
-    /// A name, and the text that it goes into.
-    Name(NameOf, TextPart),
+    /// A name, and the text that it goes into; `None`: LEN and characters go into other data.
+    Name(NameOf, Option<TextPart>),
     /// A constant.
     Constant(Box<[u8]>),
     /// A number that does not change while the machine runs.

@@ -30,7 +30,6 @@ impl Compiler<'_> {
                 return Ok(None);
             };
             let text = Expression::parse(tag).ok().and_then(|tag| self.text_part(&tag));
-            let text = text.ok_or_else(|| format!("{tag}: expected a STRING for a name"))?;
             let attribute = Attribute::Name(name, text);
             return Ok(Some(System { attribute, area }));
         }

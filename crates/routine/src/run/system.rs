@@ -17,6 +17,8 @@ const TO: u8 = 0x01;
 const EXERR_TIMEOUT: u32 = 0x0204;
 /// Too many messages are under way: ERR, Resource Unavailable.
 const ERR_RESOURCE: u16 = 2;
+/// Bytes of the LEN of a text.
+const LENGTH: usize = 4;
 /// Bytes of an attribute of the host.
 const NUMBER: usize = 4;
 /// The timeout of a message that has none, ns.
@@ -67,7 +69,13 @@ impl<'s> Scan<'s> {
                 put(&mut value, &[u8::from(flag)])
             }
             Attribute::Constant(bytes) => put(&mut value, bytes),
-            Attribute::Name(of, to) => return self.put_characters(to, self.name_of(*of).as_bytes()),
+            Attribute::Name(of, Some(to)) => return self.put_characters(to, self.name_of(*of).as_bytes()),
+            Attribute::Name(of, None) => {
+                let name = self.name_of(*of).as_bytes();
+                let (length, characters) = value.split_at_mut(LENGTH);
+                length.copy_from_slice(&(name.len() as u32).to_le_bytes());
+                LENGTH + put(characters, name)
+            }
             Attribute::MinorFaults => put(&mut value, &self.s.minor_bits.to_le_bytes()),
             Attribute::MajorFaults => put(&mut value, &self.s.major_bits.to_le_bytes()),
             Attribute::Events(which) => {
@@ -299,7 +307,7 @@ impl<'s> Scan<'s> {
     }
 }
 
-fn put(value: &mut [u8; 44], bytes: &[u8]) -> usize {
+fn put(value: &mut [u8], bytes: &[u8]) -> usize {
     let count = bytes.len().min(value.len());
     if let (Some(place), Some(bytes)) = (value.get_mut(..count), bytes.get(..count)) {
         place.copy_from_slice(bytes);
