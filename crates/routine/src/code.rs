@@ -472,10 +472,19 @@ pub(crate) struct Rung {
     pub(crate) is_simple: bool,
     /// Whether it can settle.
     pub(crate) settles: bool,
-    /// The first byte of its only timer, if no other operand depends on the timer's time.
-    pub(crate) timer: Option<u32>,
+    /// Its only timer, if no other operand depends on the timer's time.
+    pub(crate) timer: Option<RungTimer>,
     /// Instructions of the routine up to its end.
     pub(crate) behind: u32,
+}
+
+/// The timer of a rung.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct RungTimer {
+    /// Its first byte.
+    pub(crate) at: u32,
+    /// Whether other steps depend on its time.
+    pub(crate) is_read: bool,
 }
 
 impl Rung {

@@ -4,18 +4,19 @@
 //! each result of another step stands in them.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use arcline_instruction_set::MotionControl;
 use arcline_tag::Elementary;
 
 use crate::code::{
     Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, DintOperand, Ex, Index, Instruction, Node, Place,
-    Referenced, Rung, Select, Statement, TextPart,
+    Referenced, Rung, RungTimer, Select, Statement, TextPart,
 };
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
 
-/// What is known of a step: whether it can settle, and its timer ([`Rung::timer`]).
+/// What is known of a step: whether it can settle, and the first byte of its timer ([`Rung::timer`]).
 #[derive(Clone, Copy, Debug, Default)]
 struct Step {
     settles: bool,
@@ -55,15 +56,20 @@ pub(crate) fn number(code: &mut Code) -> Readers {
             Some((first, found.collect()))
         })
         .collect();
+    let readers = collector.readers();
     for (routine, found) in code.routines.iter_mut().zip(found) {
         let Some((first, found)) = found else { continue };
         routine.first_step = Some(first);
         match &mut routine.body {
             Body::Ladder(rungs) => {
                 let mut behind = 0;
-                for (rung, step) in rungs.iter_mut().zip(found) {
+                for ((rung, step), number) in rungs.iter_mut().zip(found).zip(first..) {
                     behind += instructions(&rung.nodes) + 1;
-                    (rung.settles, rung.timer, rung.behind) = (step.settles, step.timer, behind);
+                    let timer = step.timer.map(|at| RungTimer {
+                        at,
+                        is_read: times(at).any(|time| readers.has_others(&time, number)),
+                    });
+                    (rung.settles, rung.timer, rung.behind) = (step.settles, timer, behind);
                 }
             }
             Body::Text(statements) => {
@@ -73,7 +79,7 @@ pub(crate) fn number(code: &mut Code) -> Readers {
             }
         }
     }
-    collector.readers()
+    readers
 }
 
 /// The operands of an expression; `None`: its value depends on more than the memory.
@@ -105,10 +111,14 @@ fn timer(rung: &Rung, operands: &[Operands]) -> Option<u32> {
         to: at + size,
         mask: 0xFF,
     };
-    let times = [at..at + TIME_OF_SCAN, at + ACCUMULATED..at + ACCUMULATED + 4];
-    let depends = |one: &&Operands| times.iter().any(|time| one.from < time.end && time.start < one.to);
+    let depends = |one: &&Operands| times(at).any(|time| one.from < time.end && time.start < one.to);
     let mut dependent = operands.iter().filter(depends);
     (dependent.next() == Some(&own) && dependent.next().is_none()).then_some(at)
+}
+
+/// The bytes of a timer that change while it times.
+fn times(at: u32) -> impl Iterator<Item = Range<u32>> {
+    [at..at + TIME_OF_SCAN, at + ACCUMULATED..at + ACCUMULATED + 4].into_iter()
 }
 
 fn timers<'n>(nodes: &'n [Node], found: &mut Vec<&'n Area>) {

@@ -5,18 +5,18 @@
 //! changes nothing then and settles. The rung of a running timer is timing ([`super::Memory`]).
 
 use super::{Run, Scan, Timing};
-use crate::code::{ACC, Area, PRE};
+use crate::code::{ACC, Area, PRE, RungTimer};
 use crate::table::Op;
 
 const EN: u8 = 0x80;
 const TT: u8 = 0x40;
 const DN: u8 = 0x20;
-const OV: u8 = 0x10;
-const UN: u8 = 0x08;
 /// The same bits in the control word, and those of the time of the last scan.
 const EN_WORD: u32 = (EN as u32) << 24;
 const TT_WORD: u32 = (TT as u32) << 24;
 const DN_WORD: u32 = (DN as u32) << 24;
+const OV_WORD: u32 = 1 << 28;
+const UN_WORD: u32 = 1 << 27;
 const LAST: u32 = (1 << 22) - 1;
 /// The time of a timer at its end, which counts as that of the scan before this one.
 const AT_END: u32 = LAST;
@@ -134,12 +134,17 @@ impl Scan<'_> {
     }
 
     /// Brings the timer of a timing step forward; false: its time may be over.
-    pub(crate) fn bring_forward(&mut self, at: u32, step: u32) -> bool {
+    pub(crate) fn bring_forward(&mut self, timer: RungTimer, step: u32) -> bool {
+        let RungTimer { at, is_read } = timer;
         let Some((word, sum)) = self.running(at) else {
             return false;
         };
-        self.s.memory.put_except(at as usize, word.to_le_bytes(), step);
-        self.s.memory.put_except(at as usize + 8, sum.to_le_bytes(), step);
+        if is_read {
+            self.s.memory.put_except(at as usize, word.to_le_bytes(), step);
+            self.s.memory.put_except(at as usize + 8, sum.to_le_bytes(), step);
+        } else {
+            self.s.memory.put_times(at as usize, word, sum);
+        }
         true
     }
 
@@ -218,38 +223,35 @@ impl Scan<'_> {
             return Ok(());
         }
         // CU is bit 31, CD bit 30.
-        let edge = if op == Op::Ctu { EN } else { TT };
-        let bits = at + 3;
+        let edge = if op == Op::Ctu { EN_WORD } else { TT_WORD };
+        let (word, preset, mut accumulated) = (self.dint(at) as u32, self.dint(at + 4), self.dint(at + 8));
         if self.s.prescan {
-            self.set(bits, edge, true);
+            self.put_dint(at, (word | edge) as i32);
             return Ok(());
         }
-        if !power {
-            self.set(bits, edge, false);
-        } else if !self.has(bits, edge) {
-            self.set(bits, edge, true);
-            let accumulated = self.dint(at + 8);
-            let next = if op == Op::Ctu {
-                accumulated.wrapping_add(1)
+        let mut next = if power { word | edge } else { word & !edge };
+        if power && word & edge == 0 {
+            let (last, over, under, step) = if op == Op::Ctu {
+                (i32::MAX, OV_WORD, UN_WORD, 1)
             } else {
-                accumulated.wrapping_sub(1)
+                (i32::MIN, UN_WORD, OV_WORD, -1)
             };
-            self.put_dint(at + 8, next);
-            let (wraps, over, under) = if op == Op::Ctu {
-                (accumulated == i32::MAX, OV, UN)
-            } else {
-                (accumulated == i32::MIN, UN, OV)
-            };
-            if wraps && self.has(bits, under) {
-                self.set(bits, under, false);
-            } else if wraps {
-                self.set(bits, over, true);
+            if accumulated == last && next & under != 0 {
+                next &= !under;
+            } else if accumulated == last {
+                next |= over;
             }
+            accumulated = accumulated.wrapping_add(step);
+            self.put_dint(at + 8, accumulated);
         }
-        if !self.has(bits, OV | UN) {
-            let done = self.dint(at + 8) >= self.dint(at + 4);
-            self.set(bits, DN, done);
+        if next & (OV_WORD | UN_WORD) == 0 {
+            next = if accumulated >= preset {
+                next | DN_WORD
+            } else {
+                next & !DN_WORD
+            };
         }
+        self.put_dint(at, next as i32);
         Ok(())
     }
 

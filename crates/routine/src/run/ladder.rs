@@ -4,7 +4,7 @@ use super::Number;
 use super::value::holds;
 use super::{BUDGET, Cursor, Exit, Host, MAX_CALLS, Run, STATUS_EVENT, Scan};
 use crate::NoMachine;
-use crate::code::{Argument, Body, DintOperand, Instruction, Node, Rung, Statement, Transfer};
+use crate::code::{Argument, Body, DintOperand, Instruction, Node, Rung, RungTimer, Statement, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -107,29 +107,48 @@ impl<'s> Scan<'s> {
 
     /// Passes over settled rungs at the beginning of these, and brings the timers of those forward that are timing; returns how many they are.
     fn settled_rungs(&mut self, step: Option<u32>, rungs: &[Rung]) -> usize {
+        let Some(first) = step.filter(|_| self.has_power()) else {
+            return 0;
+        };
         let mut count = 0;
         loop {
+            let here = first + count as u32;
+            let (settled, timing) = self.s.memory.settled(here);
             let rest = rungs.get(count..).unwrap_or_default();
-            let here = step.map(|step| step + count as u32);
-            let settled = self.settled(here, rest.len());
-            self.check_settled(rest.get(..settled).unwrap_or_default(), &[]);
-            count += settled;
-            let timing = here.map(|here| here + settled as u32).zip(rest.get(settled));
-            match timing {
-                Some((step, rung)) if self.has_power() && self.passes_timing(step, rung) => count += 1,
-                _ => return count,
+            let rest = rest.get(..settled.trailing_ones() as usize).unwrap_or(rest);
+            match self.settled_of_word(here, rest, timing) {
+                0 => return count,
+                passed => count += passed,
             }
         }
     }
 
-    /// Brings the timer of a rung forward, if that is all that the rung would do.
-    fn passes_timing(&mut self, step: u32, rung: &Rung) -> bool {
-        let Some(at) = rung.timer.filter(|_| self.s.memory.is_timing(step)) else {
-            return false;
-        };
-        if !cfg!(debug_assertions) {
-            return self.bring_forward(at, step);
+    /// The same for rungs that were all settled, with a bit for each of them that is timing. It ends behind a timer that may have unsettled others.
+    fn settled_of_word(&mut self, step: u32, rungs: &[Rung], mut timing: u64) -> usize {
+        let mut count = 0;
+        loop {
+            let place = timing.trailing_zeros() as usize;
+            self.check_settled(rungs.get(count..place.min(rungs.len())).unwrap_or_default(), &[]);
+            let Some((rung, timer)) = rungs.get(place).and_then(|rung| Some((rung, rung.timer?))) else {
+                return rungs.len();
+            };
+            if !self.passes_timing(step + place as u32, rung, timer) {
+                return place;
+            }
+            count = place + 1;
+            if timer.is_read {
+                return count;
+            }
+            timing &= timing - 1;
         }
+    }
+
+    /// Brings the timer of a rung forward, if that is all that the rung would do.
+    fn passes_timing(&mut self, step: u32, rung: &Rung, timer: RungTimer) -> bool {
+        if !cfg!(debug_assertions) {
+            return self.bring_forward(timer, step);
+        }
+        let at = timer.at;
         // Executing the rung must do the same.
         let Some(expected) = self.running(at) else { return false };
         let (changes, budget) = (self.s.memory.changes(), self.s.budget);
@@ -159,12 +178,20 @@ impl<'s> Scan<'s> {
         }
     }
 
-    /// The number of settled steps from one on, of so many. Nothing is settled where rungs have no power.
-    pub(crate) fn settled(&self, step: Option<u32>, most: usize) -> usize {
-        match step {
-            Some(step) if self.has_power() => self.s.memory.settled(step, step + most as u32) as usize,
-            _ => 0,
+    /// The number of settled statements from one on, of so many. Nothing is settled where rungs have no power.
+    pub(crate) fn settled_statements(&self, step: Option<u32>, most: usize) -> usize {
+        let Some(first) = step.filter(|_| self.has_power()) else {
+            return 0;
+        };
+        let mut count = 0;
+        while count < most {
+            let (settled, _) = self.s.memory.settled(first + count as u32);
+            match settled.trailing_ones() as usize {
+                0 => break,
+                more => count += more,
+            }
         }
+        count.min(most)
     }
 
     /// A rung begins with power: it is no prescan, and no zone is off.
@@ -180,13 +207,13 @@ impl<'s> Scan<'s> {
     }
 
     /// Ends a step with this timer alone: it settles if it has changed nothing, or nothing but the time of its timer.
-    pub(crate) fn end_step(&mut self, settling: Option<u32>, changes: u64, timer: Option<u32>) {
+    pub(crate) fn end_step(&mut self, settling: Option<u32>, changes: u64, timer: Option<RungTimer>) {
         let Some(step) = settling.filter(|_| self.has_power() && !self.s.is_restless) else {
             return;
         };
         let of_timer = match self.s.timing {
             None => 0,
-            Some(timing) if timer == Some(timing.at) => timing.changes,
+            Some(timing) if timer.is_some_and(|timer| timer.at == timing.at) => timing.changes,
             Some(_) => return,
         };
         if self.s.memory.changes() == changes + of_timer {
@@ -224,7 +251,7 @@ impl<'s> Scan<'s> {
         let (mut count, mut instructions) = (0, 0);
         for rung in rungs.iter().take_while(|rung| rung.is_simple) {
             let step = step.filter(|_| rung.settles).map(|step| step + count as u32);
-            if step.is_some_and(|step| count > 0 && self.s.memory.settled(step, step + 1) > 0) {
+            if step.is_some_and(|step| count > 0 && self.s.memory.settled(step).0 & 1 != 0) {
                 break;
             }
             let changes = self.begin_step(step);

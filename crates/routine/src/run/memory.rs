@@ -143,14 +143,14 @@ impl Memory {
         if bits == 0 {
             return;
         }
-        for reader in self.readers.of(word) {
-            if reader.bits & bits != 0
-                && reader.step != except
-                && let Some(settled) = self.settled.get_mut(reader.step as usize / 64)
+        let Self { readers, settled, .. } = self;
+        readers.each(word, bits, |step| {
+            if step != except
+                && let Some(settled) = settled.get_mut(step as usize / 64)
             {
-                *settled &= !(1 << (reader.step % 64));
+                *settled &= !(1 << (step % 64));
             }
-        }
+        });
     }
 
     /// A step would change nothing, or nothing but the time of its timer.
@@ -162,28 +162,25 @@ impl Memory {
         }
     }
 
-    /// The number of settled steps that are not timing from one on, below another.
-    pub(crate) fn settled(&self, from: u32, to: u32) -> u32 {
-        let mut step = from;
-        while step < to {
-            let place = step as usize / 64;
-            let word = match (self.settled.get(place), self.timing.get(place)) {
-                (Some(settled), Some(timing)) => settled & !timing,
-                _ => 0,
-            };
-            let ones = (word >> (step % 64)).trailing_ones();
-            step += ones;
-            if !step.is_multiple_of(64) || ones == 0 {
-                break;
-            }
-        }
-        step.min(to) - from
+    /// The settled steps from one on, as far as they have a word in common: bits from that step on, and the timing ones among them.
+    pub(crate) fn settled(&self, step: u32) -> (u64, u64) {
+        let place = step as usize / 64;
+        let (Some(settled), Some(timing)) = (self.settled.get(place), self.timing.get(place)) else {
+            return (0, 0);
+        };
+        (settled >> (step % 64), (settled & timing) >> (step % 64))
     }
 
-    /// A step is settled and timing.
-    pub(crate) fn is_timing(&self, step: u32) -> bool {
-        let (place, bit) = (step as usize / 64, 1 << (step % 64));
-        let has = |words: &[u64]| words.get(place).is_some_and(|word| word & bit != 0);
-        has(&self.timing) && has(&self.settled)
+    /// Brings a timer forward whose time no other step reads.
+    pub(crate) fn put_times(&mut self, at: usize, word: u32, accumulated: i32) {
+        for (at, new) in [(at, word.to_le_bytes()), (at + ACCUMULATED, accumulated.to_le_bytes())] {
+            if let Some(place) = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut) {
+                self.changes += u64::from(*place != new);
+                *place = new;
+            }
+        }
     }
 }
+
+/// The place of ACC in a timer.
+const ACCUMULATED: usize = 8;

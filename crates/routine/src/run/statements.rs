@@ -12,7 +12,7 @@ impl<'s> Scan<'s> {
         while let Some(statement) = statements.get(next) {
             self.s.line = statement.line;
             let step = first_step.map(|first| first + next as u32);
-            let settled = self.settled(step, statements.len() - next);
+            let settled = self.settled_statements(step, statements.len() - next);
             if settled > 0 {
                 let over = statements.get(next..next + settled).unwrap_or_default();
                 self.check_settled(&[], over);

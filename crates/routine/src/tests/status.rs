@@ -110,8 +110,13 @@ fn a_name_that_is_too_long_stays_in_its_text() {
 
 #[test]
 fn a_name_in_other_data_has_its_length_first() {
-    let rungs = "GSV(Program,THIS,Name,N);\nMOV(S:MINOR,Cut);\nGSV(Program,THIS,Name,D[1]);\nGSV(FaultLog,,MinorEvents,Count);";
+    let rungs =
+        "GSV(Program,THIS,Name,N);\nMOV(S:MINOR,Cut);\nGSV(Program,THIS,Name,D[1]);\nGSV(FaultLog,,MinorEvents,Count);";
     let of = project("N DINT, Cut DINT, D DINT[4] -1;-1;-1;-1, Count INT", &[("Main", rungs)]);
     // "Main" from the least byte on.
-    script("a name", &of, ": N=4; Cut=1; D[0]=-1; D[1]=4; D[2]=1852399949; D[3]=-1; Count=1");
+    script(
+        "a name",
+        &of,
+        ": N=4; Cut=1; D[0]=-1; D[1]=4; D[2]=1852399949; D[3]=-1; Count=1",
+    );
 }
