@@ -173,13 +173,9 @@ impl<'a> Section<'a> {
     pub(crate) fn hasten_to_begin(&self, warm_start: ControlPoints) -> Option<Trajectory> {
         let mut stage = *stages(self.smoothness, Quality::TimingOnly).last()?;
         stage.end_soon();
-        self.hasten_by(
-            &stage,
-            TUNING.work.begin_each,
-            warm_start,
-            Mend::Smoothing,
-            &mut Work::of(0),
-        )
+        let nodes = warm_start.points.len() as u64;
+        let each = TUNING.work.begin_each.min(TUNING.work.most_to_begin / nodes.max(1));
+        self.hasten_by(&stage, each, warm_start, Mend::Smoothing, &mut Work::of(0))
     }
 
     /// One stage, with at least this number of visits of each node.
@@ -290,6 +286,7 @@ impl<'a> Section<'a> {
         let mut margin = ToleranceMargin::new();
         let mut last: Option<Measured> = None;
         let mut last_worst = 0.0;
+        let mut repairs = 0;
         let mut within_before: Option<Solved> = None;
         let mut warp = Smoothness::Trapezoid;
         for stage in stages {
@@ -360,8 +357,8 @@ impl<'a> Section<'a> {
                 return Err(Missed::Near);
             }
             // The motion waits for its first plan: another quality is found sooner.
-            let is_first = planning_time == PlanningTime::Streaming && is_plan;
-            if is_first && self.smoothness == Smoothness::Trapezoid && worst > TUNING.smooth.far_to_begin {
+            repairs += usize::from(is_repair);
+            if planning_time == PlanningTime::Streaming && is_plan && worst > self.far_to_begin(repairs) {
                 return Err(Missed::Far);
             }
             if is_plan && within {
@@ -388,6 +385,16 @@ impl<'a> Section<'a> {
             last_worst = worst;
         }
         within_before.ok_or(Missed::Near)
+    }
+
+    /// Quotient of the distance from the path and the tolerance beyond which the first motion of a stream is given up after this number of repairs.
+    fn far_to_begin(&self, repairs: usize) -> f64 {
+        match (self.smoothness, repairs) {
+            (Smoothness::Trapezoid, 0) => TUNING.smooth.far_to_begin,
+            (Smoothness::SCurve, 0) | (_, 1) => f64::INFINITY,
+            (_, 2) => TUNING.smooth.far_repaired,
+            _ => 1.0,
+        }
     }
 
     /// A motion within all limits, made faster on its own nodes; the motion itself if that fails.

@@ -209,6 +209,9 @@ constants! {
         /// Of 22 first plans that were farther outside 17 never came inside, and the others took three to six repairs. With repairs 8 of 299 streams began
         /// after more than 20 ms, not one, and their first motion took 0.3 % more time. S-curves that are 4 times outside come inside in two.
         far_to_begin: f64 = 2.0,
+        /// The same after two repairs, trapezoids and S-curves; the third is the last. Of 1,800 first plans 19 came inside with two repairs or more, and of 22 that were
+        /// farther outside after two one, with its sixth.
+        far_repaired: f64 = 1.35,
         /// Largest share of an excess that may remain after another attempt.
         /// More continues attempts that hardly close in, less gives up attempts that would. Not measured.
         nearer: f64 = 0.97,
@@ -333,8 +336,9 @@ constants! {
         from_rest_each: u64 = 3000,
         /// The smooth curve of the first moves of a stream, which wait for it. Without one, the corners are rounded one by one in 3 to 20 ms.
         /// Trapezoids, of 82 first plans of dense chords, a computer at half its speed: 150,000: 95 % within 26 ms, longest 32; 60,000: 14 and 20; as
-        /// much motion. S-curves: with 100,000 a circle of 120 chords had no smooth curve.
-        to_begin: u64 = 60_000,
+        /// much motion. 40,000, of 1,200 random streams: three begin with another motion, and the latest sooner. S-curves: with 100,000 a circle of 120 chords
+        /// had no smooth curve.
+        to_begin: u64 = 40_000,
         to_begin_s_curve: u64 = 150_000,
         /// Visits of each node in one stage of the first plan of a stream. Without a bound single stages took 130 to 220, and their plan a third more time; the first motion
         /// of 300 streams with S-curves took 0.1 % less.
@@ -343,6 +347,8 @@ constants! {
         /// 39 first plans of few moves took 13 ms at most with 40, and 24 with 100; 60: 16 ms and 3 % less time of motion than 40, as with 100. With 40, the speed
         /// along a circle of 120 chords flickered.
         begin_each: u64 = 60,
+        /// Most of them of all nodes: two long lines at 55 mm/s had 1,850.
+        most_to_begin: u64 = 60_000,
         /// All attempts to continue a motion. Of 75 extensions of the benchmark's paths in windows the 68 that were found took 81 to 439
         /// steps; without a bound those that were not took up to 7,600.
         to_continue: u64 = 1_000_000,
