@@ -48,6 +48,9 @@ pub(crate) enum Mend {
     Timing,
 }
 
+/// The usual update period, of which the others are multiples or parts, s.
+const TICK: f64 = 1e-3;
+
 /// Moves from rest to rest without a stop between them.
 pub(crate) struct Section<'a> {
     moves: &'a [ContourMove],
@@ -59,6 +62,8 @@ pub(crate) struct Section<'a> {
     slow_down: SlowDown,
     /// The excess beyond which a continuation that closes in on its limits is given up.
     far: f64,
+    /// The time of its start since the motion began to move.
+    begins: f64,
 }
 
 impl<'a> Section<'a> {
@@ -78,7 +83,13 @@ impl<'a> Section<'a> {
             quality,
             slow_down: SlowDown::Outside,
             far: TUNING.smooth.far,
+            begins: 0.0,
         }
+    }
+
+    /// The same from an instant of a running motion on.
+    pub(crate) fn beginning(self, begins: f64) -> Self {
+        Section { begins, ..self }
     }
 
     /// The same with a different slow-down of a start outside the limits, and another excess beyond which it is given up.
@@ -465,12 +476,25 @@ impl<'a> Section<'a> {
         measured(control, bounds, &self.reference, stage.result)
     }
 
+    /// A continuation that comes to rest just behind a millisecond, a little later; the motion itself if that is not within all limits. The end of an S-curve is a
+    /// cubic: its last tick would move the axes by less than a tenth of a nanometre, and the motion seem to rest before its end.
+    fn apart_from_tick(&self, solved: Solved) -> Solved {
+        let behind = (self.begins + solved.trajectory.duration()).rem_euclid(TICK);
+        let is_seen = !(TUNING.end.from_s..TUNING.end.to_s).contains(&behind);
+        if solved.control.initial.is_none() || self.smoothness == Smoothness::Trapezoid || is_seen {
+            return solved;
+        }
+        let mut later = solved.control.clone();
+        later.stretch(TUNING.end.to_s - behind);
+        self.within(later, &mut ToleranceMargin::new()).unwrap_or(solved)
+    }
+
     fn finish(&self, solved: Solved) -> Trajectory {
         let Solved {
             mut trajectory,
             control,
             times,
-        } = solved;
+        } = self.apart_from_tick(solved);
         trajectory.move_ends = self.move_ends(&control, &times, trajectory.duration());
         trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());
         trajectory

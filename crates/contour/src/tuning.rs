@@ -22,6 +22,7 @@ pub(crate) struct Tuning {
     pub(crate) margin: Margin,
     pub(crate) rounding: Rounding,
     pub(crate) smooth: Smooth,
+    pub(crate) end: End,
     pub(crate) grid: Grid,
     pub(crate) speed_profile: SpeedProfile,
     pub(crate) stages: Stages,
@@ -41,6 +42,7 @@ pub(crate) const TUNING: Tuning = Tuning {
     margin: Margin::VALUES,
     rounding: Rounding::VALUES,
     smooth: Smooth::VALUES,
+    end: End::VALUES,
     grid: Grid::VALUES,
     speed_profile: SpeedProfile::VALUES,
     stages: Stages::VALUES,
@@ -225,6 +227,15 @@ constants! {
         /// The spring of a fixed node, far above all others.
         /// A smaller one moves the fixed nodes visibly, a larger one leaves the others fewer digits. Not measured.
         held_spring: f64 = 1e14,
+    }
+}
+
+constants! {
+    /// The time behind a millisecond at which no continuation with limits of the jerk ends, if it can end later.
+    End {
+        /// Ends of 10⁵ units/s³ that are sooner move by less than 10⁻⁹ units in their last tick, and those that are later by more than 10⁻⁷.
+        from_s: f64 = 1e-5,
+        to_s: f64 = 2.5e-4,
     }
 }
 

@@ -81,6 +81,29 @@ fn dense_s_curves_that_are_sent_just_fast_enough_never_rest() {
     }
 }
 
+/// The end of an S-curve just behind a tick would move the axes by less than a tenth of a nanometre: who records the axes would see a rest before it.
+#[test]
+fn extensions_of_s_curves_end_apart_from_ticks() {
+    let jerk = Some(100_000.0);
+    for stream in STREAMS
+        .iter()
+        .filter(|stream| ["surface", "raster"].contains(&stream.name))
+    {
+        let moves = stream.moves(900, jerk);
+        for latency in [0.0, 0.004, 0.008, 0.015, 0.025] {
+            let feed = Feed {
+                per_tick: 6.0,
+                latency: Latency::Seconds(latency),
+                ..FEED
+            };
+            let told = travel(&moves, jerk, feed, |_, _, _| {});
+            let ends = told.fronts.iter().skip(1).map(|[_, _, end]| end.rem_euclid(1e-3));
+            let near: Vec<f64> = ends.filter(|end| (1e-5..2.4e-4).contains(end)).collect();
+            assert!(near.is_empty(), "{}, {latency} s: {near:?}", stream.name);
+        }
+    }
+}
+
 /// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream
 /// begins at the position of rest.
 #[test]

@@ -182,7 +182,7 @@ impl Continuation<'_> {
             .iter()
             .rposition(ContourMove::has_length)
             .map_or(here, |k| begin + k);
-        let section = Section::new(&moves[back..end], limits, SectionStart::Running, quality);
+        let section = Section::new(&moves[back..end], limits, SectionStart::Running, quality).beginning(splice);
         let piece = moves[back..here].iter().filter(|m| m.has_length()).count();
         let followed = Running {
             trajectory: running,

@@ -59,6 +59,21 @@ impl ControlPoints {
         self
     }
 
+    /// Makes a continuation take so much longer, at its beginning least.
+    pub(crate) fn stretch(&mut self, seconds: f64) {
+        let free = self.spans.get_mut(GIVEN + 1..).unwrap_or_default();
+        let count = free.len() as f64;
+        // From 0 to 1 without a bend at either end.
+        let weight = |place: usize| {
+            let part = (place as f64 + 0.5) / count;
+            part * part * (3.0 - 2.0 * part)
+        };
+        let whole: f64 = free.iter().enumerate().map(|(k, span)| weight(k) * span).sum();
+        for (place, span) in free.iter_mut().enumerate() {
+            *span *= 1.0 + seconds / whole * weight(place);
+        }
+    }
+
     /// Sets the first nodes such that the curve has the initial state at the knot of node 1.
     pub(crate) fn set_initial(&mut self) {
         let (Some(initial), &[h0, h1, h2, ..]) = (self.initial, self.spans.as_slice()) else {
