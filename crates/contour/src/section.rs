@@ -28,6 +28,8 @@ pub(crate) struct Solved {
     pub(crate) control: ControlPoints,
     /// The time of each node.
     pub(crate) times: Vec<f64>,
+    /// Repairs that brought its curve inside the corridor.
+    repairs: usize,
 }
 
 /// The end of a search that found no motion.
@@ -158,11 +160,11 @@ impl<'a> Section<'a> {
         )
     }
 
-    /// Optimises from a warm start to rest.
+    /// Optimises from a warm start to rest; returns the repairs that it took as well.
     ///
     /// # Errors
     /// The result is not inside the corridor and the limits.
-    pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Result<Trajectory, Missed> {
+    pub(crate) fn improve(&self, control: ControlPoints, work: &mut Work) -> Result<(Trajectory, usize), Missed> {
         let mut stages = stages(self.smoothness, self.quality);
         if self.quality == Quality::Smooth && self.smoothness == Smoothness::SCurve {
             // The running motion keeps the limits of the jerk; after a stage without them, the motion would not return to them.
@@ -171,7 +173,9 @@ impl<'a> Section<'a> {
                 stages.insert(0, stages[0]);
             }
         }
-        Ok(self.finish(self.run(control, &stages, PlanningTime::Unlimited, work)?))
+        let solved = self.run(control, &stages, PlanningTime::Unlimited, work)?;
+        let repairs = solved.repairs;
+        Ok((self.finish(solved), repairs))
     }
 
     /// Makes a warm start faster that a mend brings within all limits; `None` if it does not.
@@ -229,6 +233,7 @@ impl<'a> Section<'a> {
                     trajectory: now.trajectory,
                     control: control.clone(),
                     times: now.times,
+                    repairs: round,
                 };
             }
             if is_within || work.is_done() {
@@ -253,6 +258,7 @@ impl<'a> Section<'a> {
             trajectory,
             control,
             times,
+            repairs: 0,
         })
     }
 
@@ -282,6 +288,7 @@ impl<'a> Section<'a> {
             trajectory,
             control,
             times,
+            repairs: 0,
         })
     }
 
@@ -350,6 +357,7 @@ impl<'a> Section<'a> {
                     trajectory: now.trajectory.clone(),
                     control: control.clone(),
                     times: now.times.clone(),
+                    repairs,
                 });
             }
             if closes_in && now.excess > self.far {
@@ -377,6 +385,7 @@ impl<'a> Section<'a> {
                     trajectory: now.trajectory,
                     control,
                     times: now.times,
+                    repairs,
                 });
             }
             if work.is_done() {
@@ -420,6 +429,7 @@ impl<'a> Section<'a> {
                 trajectory: better.trajectory,
                 control,
                 times: better.times,
+                repairs: from.repairs,
             }
         } else {
             from
@@ -494,6 +504,7 @@ impl<'a> Section<'a> {
             mut trajectory,
             control,
             times,
+            ..
         } = self.apart_from_tick(solved);
         trajectory.move_ends = self.move_ends(&control, &times, trajectory.duration());
         trajectory.end = self.moves.last().map_or(trajectory.end, |last| last.path.end());

@@ -35,7 +35,7 @@ pub(crate) struct Continuation<'a> {
 
 impl Continuation<'_> {
     /// Plans from `splice` on; the warm start follows the running motion until `leave`. `work` is that of all attempts on timing and shape
-    /// together; the first attempt sets it. All of it is within a budget.
+    /// together; the first attempt sets it. All of it is within a budget. Returns the repairs that it took as well.
     ///
     /// # Errors
     /// No motion was found.
@@ -47,8 +47,8 @@ impl Continuation<'_> {
         holds: bool,
         work: &mut Option<Work>,
         budget: &mut Budget,
-    ) -> Result<Trajectory, Missed> {
-        let mut missed = Missed::Near;
+    ) -> Result<(Trajectory, usize), Missed> {
+        let (mut missed, mut repairs) = (Missed::Near, 0);
         let found = self.then(splice, leave, self.quality, |section, followed, back| {
             let section = section.attempted(slow_down, self.far);
             let mut control = warm_start(&section, followed);
@@ -61,15 +61,18 @@ impl Continuation<'_> {
                 *work = None;
             }
             let work = work.get_or_insert_with(|| Work::to_continue(control.points.len(), self.quality));
-            budget.spend(self.quality, work, |work| {
-                section
-                    .improve(control, work)
-                    .map_err(|why| missed = why)
-                    .ok()
-                    .or_else(|| self.joined(&section, followed, back, work))
+            budget.spend(self.quality, work, |work| match section.improve(control, work) {
+                Ok((improved, took)) => {
+                    repairs = took;
+                    Some(improved)
+                }
+                Err(why) => {
+                    missed = why;
+                    self.joined(&section, followed, back, work)
+                }
             })
         });
-        found.ok_or(missed)
+        found.map(|found| (found, repairs)).ok_or(missed)
     }
 
     /// The same on evenly rounded corners, from a warm start within all limits that leaves the running motion within an interval.

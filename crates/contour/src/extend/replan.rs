@@ -59,9 +59,8 @@ pub fn replan(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
                 far: TUNING.smooth.far,
             };
             let leave = leave_at(&running, splice, splice + TUNING.extend.replan_followed_s);
-            continuation
-                .plan(splice, leave, SlowDown::Whole, false, &mut work, &mut budget)
-                .ok()
+            let planned = continuation.plan(splice, leave, SlowDown::Whole, false, &mut work, &mut budget);
+            planned.ok().map(|(found, _)| found)
         })?;
         Some(whole.planned_for(moves, limits))
     })
