@@ -51,7 +51,7 @@ fn a_late_plan_slows_a_stream_down_before_it_rests() {
 /// Extensions that are not found in time: the pace is lower until one from it is found, or the motion continues from its end.
 #[test]
 fn a_stream_goes_on_when_its_extension_is_not_found() {
-    for (seed, latency) in [(128, Latency::None), (81, FEED.latency), (120, FEED.latency)] {
+    for (seed, latency) in [(128, Latency::None), (81, FEED.latency)] {
         let feed = Feed { latency, ..FEED };
         let wild = Wild::new(seed, MOVES);
         let mut within = Within::new(&wild, seed);
