@@ -139,11 +139,12 @@ impl Scan<'_> {
         let Some((word, sum)) = self.running(at) else {
             return false;
         };
-        if is_read {
-            self.s.memory.put_except(at as usize, word.to_le_bytes(), step);
-            self.s.memory.put_except(at as usize + 8, sum.to_le_bytes(), step);
-        } else {
-            self.s.memory.put_times(at as usize, word, sum);
+        for (at, new) in [(at, word.to_le_bytes()), (at + 8, sum.to_le_bytes())] {
+            if is_read {
+                self.s.memory.put_except(at as usize, new, step);
+            } else {
+                self.s.memory.replace(at as usize, new);
+            }
         }
         true
     }

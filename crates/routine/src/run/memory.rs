@@ -62,13 +62,7 @@ impl Memory {
 
     /// The same without unsettling one step.
     pub(crate) fn put_except<const N: usize>(&mut self, at: usize, new: [u8; N], step: u32) {
-        let place = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut);
-        let Some(place) = place else { return };
-        let old = std::mem::replace(place, new);
-        if old == new {
-            return;
-        }
-        self.changes += 1;
+        let Some(old) = self.replace(at, new) else { return };
         match (<[u8; WORD]>::try_from(&old[..]), <[u8; WORD]>::try_from(&new[..])) {
             (Ok(old), Ok(new)) if at.is_multiple_of(WORD) => {
                 self.unsettle(at / WORD, u32::from_le_bytes(old) ^ u32::from_le_bytes(new), step);
@@ -79,6 +73,15 @@ impl Memory {
                 }
             }
         }
+    }
+
+    /// Writes some bytes without unsettling any step; returns those before, if they were others.
+    pub(crate) fn replace<const N: usize>(&mut self, at: usize, new: [u8; N]) -> Option<[u8; N]> {
+        let place = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut)?;
+        let old = std::mem::replace(place, new);
+        let is_changed = old != new;
+        self.changes += u64::from(is_changed);
+        is_changed.then_some(old)
     }
 
     /// Writes those bits of a byte that a mask has, from a value.
@@ -170,17 +173,4 @@ impl Memory {
         };
         (settled >> (step % 64), (settled & timing) >> (step % 64))
     }
-
-    /// Brings a timer forward whose time no other step reads.
-    pub(crate) fn put_times(&mut self, at: usize, word: u32, accumulated: i32) {
-        for (at, new) in [(at, word.to_le_bytes()), (at + ACCUMULATED, accumulated.to_le_bytes())] {
-            if let Some(place) = self.bytes.get_mut(at..).and_then(<[u8]>::first_chunk_mut) {
-                self.changes += u64::from(*place != new);
-                *place = new;
-            }
-        }
-    }
 }
-
-/// The place of ACC in a timer.
-const ACCUMULATED: usize = 8;
