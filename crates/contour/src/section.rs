@@ -349,7 +349,8 @@ impl<'a> Section<'a> {
             let is_plan = stage.result != StageResult::Start;
             let within = worst <= 1.0 && now.excess <= 1.0 + LIMIT_SHARE;
             // A continuation within all limits is a plan after any stage: if a later stage fails, it starts from this plan again.
-            if let Some(within) = within_before.take_if(|_| is_plan && !within) {
+            let is_better = |before: &Solved| !within || before.trajectory.duration() < now.trajectory.duration();
+            if let Some(within) = within_before.take_if(|before| is_plan && is_better(before)) {
                 return Ok(self.improved(within, stage, &margin, work));
             }
             if closes_in && within {
@@ -489,13 +490,12 @@ impl<'a> Section<'a> {
     /// A continuation that comes to rest just behind a millisecond, a little later; the motion itself if that is not within all limits. The end of an S-curve is a
     /// cubic: its last tick would move the axes by less than a tenth of a nanometre, and the motion seem to rest before its end.
     fn apart_from_tick(&self, solved: Solved) -> Solved {
-        let behind = (self.begins + solved.trajectory.duration()).rem_euclid(TICK);
-        let is_seen = !(TUNING.end.from_s..TUNING.end.to_s).contains(&behind);
-        if solved.control.initial.is_none() || self.smoothness == Smoothness::Trapezoid || is_seen {
+        let early = too_early(self.begins + solved.trajectory.duration());
+        if solved.control.initial.is_none() || self.smoothness == Smoothness::Trapezoid || early == 0.0 {
             return solved;
         }
         let mut later = solved.control.clone();
-        later.stretch(TUNING.end.to_s - behind);
+        later.stretch(early);
         self.within(later, &mut ToleranceMargin::new()).unwrap_or(solved)
     }
 
@@ -534,6 +534,16 @@ impl<'a> Section<'a> {
             ends.push(last);
         }
         ends
+    }
+}
+
+/// Seconds by which an S-curve that comes to rest at this time is too early: its last tick would move the axes by nearly nothing.
+pub(crate) fn too_early(end: f64) -> f64 {
+    let behind = end.rem_euclid(TICK);
+    if (TUNING.end.from_s..TUNING.end.to_s).contains(&behind) {
+        TUNING.end.to_s - behind
+    } else {
+        0.0
     }
 }
 

@@ -104,6 +104,37 @@ fn extensions_of_s_curves_end_apart_from_ticks() {
     }
 }
 
+/// The last extension of a stream is found from another instant where the end cannot come later within all limits: each of these had one that moves the
+/// axes by nearly nothing.
+#[test]
+fn a_stream_of_s_curves_ends_apart_from_ticks() {
+    let jerk = Some(100_000.0);
+    let coarse = STREAMS
+        .iter()
+        .find(|stream| stream.name == "coarse")
+        .expect("a stream of the table");
+    for (count, latency) in [
+        (1200, 0.007),
+        (1200, 0.009),
+        (1400, 0.0),
+        (1400, 0.009),
+        (1500, 0.011),
+        (1800, 0.012),
+    ] {
+        let feed = Feed {
+            per_tick: 6.0,
+            latency: Latency::Seconds(latency),
+            ..FEED
+        };
+        let told = travel(&coarse.moves(count, jerk), jerk, feed, |_, _, _| {});
+        let end = told.fronts.last().map_or(0.0, |[_, _, end]| end.rem_euclid(1e-3));
+        assert!(
+            !(1e-5..4.9e-4).contains(&end),
+            "{count} moves, {latency} s: {end} s behind a tick"
+        );
+    }
+}
+
 /// At random instants of a stream: overrides, holds, other speeds of all moves (MCCD) and stops (MCS). After a stop, the rest of the stream
 /// begins at the position of rest.
 #[test]

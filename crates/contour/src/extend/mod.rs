@@ -19,7 +19,7 @@ use crate::extend::search::Search;
 use crate::extend::splice::{braking_time, splice};
 use crate::limits::Smoothness;
 use crate::plan::{between_stops, first_moves, is_dense};
-use crate::section::Missed;
+use crate::section::{Missed, too_early};
 use crate::solve::stages::Quality;
 use crate::solve::work::Budget;
 use crate::tuning::{Attempt, SlowDown, TUNING};
@@ -125,7 +125,12 @@ fn extend_at(request: &ExtensionRequest<'_>, pace: f64) -> Option<Trajectory> {
             Search::Gentle | Search::GentleSooner | Search::GentleAndSmooth => TUNING.patience.gentle_takes * seconds,
         };
         let earliest = earliest + spent.get() + takes;
-        let found = extended(&continuation, old, earliest, (search, is_slowed), &mut budget);
+        let sought = Sought {
+            search,
+            is_slowed,
+            is_last: old + more == request.moves.len(),
+        };
+        let found = extended(&continuation, old, earliest, sought, &mut budget);
         spent.set(spent.get() + budget.seconds());
         found
     };
@@ -203,12 +208,22 @@ fn from_its_end(request: &ExtensionRequest<'_>, old: usize, moves: &[ContourMove
     cut(running, now, running.duration(), passed, old).at_rest_then(&others[..first], limits)
 }
 
+/// What a search for an extension has to find.
+#[derive(Clone, Copy)]
+struct Sought<'a> {
+    search: Search<'a>,
+    /// The running trajectory has a low pace.
+    is_slowed: bool,
+    /// No other moves are known that follow.
+    is_last: bool,
+}
+
 /// `old`: the number of moves of the running trajectory.
 fn extended(
     continuation: &Continuation<'_>,
     old: usize,
     earliest: f64,
-    (search, is_slowed): (Search<'_>, bool),
+    sought: Sought<'_>,
     budget: &mut Budget,
 ) -> Option<Trajectory> {
     let &Continuation {
@@ -221,6 +236,11 @@ fn extended(
         quality,
         ..
     } = continuation;
+    let Sought {
+        search,
+        is_slowed,
+        is_last,
+    } = sought;
     if begin == old {
         let end = running.duration();
         return Some(cut(running, now, end, passed, old).at_rest_then(&moves[old..], limits));
@@ -257,6 +277,15 @@ fn extended(
     // A search that fails from one instant of the running motion may succeed from another one.
     let (mut work, mut tried, mut soonest_later) = (None, Vec::new(), f64::NEG_INFINITY);
     let is_s_curve = Smoothness::of(moves) == Smoothness::SCurve;
+    // Nobody sees the end of a motion that another extension follows.
+    let seen_too_early = |found: &Trajectory| {
+        if is_s_curve && is_last {
+            too_early(found.duration())
+        } else {
+            0.0
+        }
+    };
+    let costs = |found: &Trajectory| found.duration() + TUNING.end.weight * seen_too_early(found);
     let mut best: Option<Trajectory> = None;
     for attempt in attempts {
         // Another attempt takes about the time of those before it.
@@ -288,12 +317,13 @@ fn extended(
         tried.push(same);
         match continuation.plan(splice, leave, slow_down, attempt.holds, &mut work, budget) {
             Ok((found, repairs)) => {
-                if best.as_ref().is_none_or(|best| found.duration() < best.duration()) {
-                    best = Some(found);
-                }
                 // An S-curve is slow where its curve was repaired; from another instant it may need no repair. Before another attempt was made, a spiral of
                 // chords of 0.08 mm fell to half its speed for 0.1 s in one run of four.
-                if !is_s_curve || repairs == 0 {
+                let is_good = !is_s_curve || repairs == 0 && seen_too_early(&found) == 0.0;
+                if best.as_ref().is_none_or(|best| costs(&found) < costs(best)) {
+                    best = Some(found);
+                }
+                if is_good {
                     break;
                 }
             }
