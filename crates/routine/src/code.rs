@@ -265,6 +265,14 @@ pub(crate) enum Node {
     /// A DINT to the DINT at that byte.
     Move(DintOperand, u32),
     Compare(Compare, DintOperand, DintOperand),
+    /// Arithmetic of two REALs; the REAL at that byte has the result.
+    ComputeReal(Float, RealOperand, RealOperand, u32),
+    /// A REAL to the REAL at that byte.
+    MoveReal(RealOperand, u32),
+    CompareReal(Compare, RealOperand, RealOperand),
+    Ons(u32, u8),
+    /// CTU or CTD of the counter at that byte.
+    Count(Op, u32),
     Branch(Box<[Box<[Node]>]>),
     Instruction(Box<Instruction>),
 }
@@ -273,6 +281,13 @@ pub(crate) enum Node {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum DintOperand {
     Number(i32),
+    At(u32),
+}
+
+/// A REAL: a number, or the one at a byte of the memory.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum RealOperand {
+    Number(f32),
     At(u32),
 }
 
@@ -468,7 +483,7 @@ pub(crate) enum Body {
 pub(crate) struct Rung {
     pub(crate) number: u32,
     pub(crate) nodes: Box<[Node]>,
-    /// Whether all its instructions are of bits and DINTs with known places, so that they call nothing and cannot fault.
+    /// Whether all its instructions are of bits, numbers and counters with known places, so that they call nothing and cannot fault.
     pub(crate) is_simple: bool,
     /// Whether it can settle.
     pub(crate) settles: bool,

@@ -11,7 +11,7 @@ use arcline_tag::Elementary;
 
 use crate::code::{
     Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, DintOperand, Ex, Index, Instruction, Node, Place,
-    Referenced, Rung, RungTimer, Select, Statement, TextPart,
+    RealOperand, Referenced, Rung, RungTimer, Select, Statement, TextPart,
 };
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
@@ -190,7 +190,8 @@ impl<'c> Finder<'c> {
             | Node::Xio(at, mask)
             | Node::Ote(at, mask)
             | Node::Otl(at, mask)
-            | Node::Otu(at, mask) => self.note(*at, at + 1, *mask),
+            | Node::Otu(at, mask)
+            | Node::Ons(at, mask) => self.note(*at, at + 1, *mask),
             Node::Compute(_, a, b, to) => [*a, *b, DintOperand::At(*to)]
                 .into_iter()
                 .try_for_each(|one| self.dint(one)),
@@ -198,6 +199,14 @@ impl<'c> Finder<'c> {
                 .into_iter()
                 .try_for_each(|one| self.dint(one)),
             Node::Compare(_, a, b) => [*a, *b].into_iter().try_for_each(|one| self.dint(one)),
+            Node::ComputeReal(_, a, b, to) => [*a, *b, RealOperand::At(*to)]
+                .into_iter()
+                .try_for_each(|one| self.real(one)),
+            Node::MoveReal(from, to) => [*from, RealOperand::At(*to)]
+                .into_iter()
+                .try_for_each(|one| self.real(one)),
+            Node::CompareReal(_, a, b) => [*a, *b].into_iter().try_for_each(|one| self.real(one)),
+            Node::Count(_, at) => self.note(*at, at + COUNTER, 0xFF),
             Node::Branch(legs) => legs.iter().try_for_each(|leg| self.nodes(leg)),
             Node::Instruction(instruction) => self.instruction(instruction),
         })
@@ -207,6 +216,13 @@ impl<'c> Finder<'c> {
         match operand {
             DintOperand::Number(_) => Some(()),
             DintOperand::At(at) => self.note(at, at + 4, 0xFF),
+        }
+    }
+
+    fn real(&mut self, operand: RealOperand) -> Known {
+        match operand {
+            RealOperand::Number(_) => Some(()),
+            RealOperand::At(at) => self.note(at, at + 4, 0xFF),
         }
     }
 
@@ -460,5 +476,7 @@ impl<'c> Finder<'c> {
     }
 }
 
+/// Bytes of a counter.
+const COUNTER: u32 = 12;
 /// Bytes of a motion control tag.
 const CONTROL: u32 = MotionControl::SIZE as u32;

@@ -5,7 +5,7 @@ use arcline_tag::Elementary;
 use super::expression::{Sort, arithmetic, cast, compared};
 use super::fit::transfers;
 use super::{Compiler, Wrong};
-use crate::code::{Argument, Compare, DintOperand, Ex, Instruction, Node, Select, Transfer};
+use crate::code::{Argument, Compare, DintOperand, Ex, Instruction, Node, RealOperand, Select, Transfer, Width};
 use crate::error::FindingKind;
 use crate::expression::{Binary, Expression};
 use crate::rll::Element;
@@ -376,10 +376,13 @@ fn simple(instruction: Instruction) -> Node {
         (Op::Ote, Some((at, mask))) => Some(Node::Ote(at, mask)),
         (Op::Otl, Some((at, mask))) => Some(Node::Otl(at, mask)),
         (Op::Otu, Some((at, mask))) => Some(Node::Otu(at, mask)),
+        (Op::Ons, Some((at, mask))) => Some(Node::Ons(at, mask)),
         _ => None,
     };
     of_bit
         .or_else(|| of_dints(&instruction))
+        .or_else(|| of_reals(&instruction))
+        .or_else(|| of_counter(&instruction))
         .unwrap_or_else(|| Node::Instruction(Box::new(instruction)))
 }
 
@@ -398,6 +401,29 @@ fn of_dints(instruction: &Instruction) -> Option<Node> {
     }
 }
 
+/// An instruction whose operands are REALs with known places.
+fn of_reals(instruction: &Instruction) -> Option<Node> {
+    match (instruction.op, &*instruction.arguments) {
+        (Op::Compute, [Argument::Real(Ex::Float(operation, Width::Single, operands)), target]) => {
+            let (a, b) = (real(&operands.0)?, real(&operands.1)?);
+            Some(Node::ComputeReal(*operation, a, b, real_target(target)?))
+        }
+        (Op::Mov, [Argument::Real(value), target]) => Some(Node::MoveReal(real(value)?, real_target(target)?)),
+        (Op::Compare(_), [Argument::Integer(Ex::CompareReal(compare, operands))]) => {
+            Some(Node::CompareReal(*compare, real(&operands.0)?, real(&operands.1)?))
+        }
+        _ => None,
+    }
+}
+
+/// A counter with a known place.
+fn of_counter(instruction: &Instruction) -> Option<Node> {
+    match (instruction.op, &*instruction.arguments) {
+        (op @ (Op::Ctu | Op::Ctd), [Argument::Area(counter), ..]) => Some(Node::Count(op, counter.place.fixed()?)),
+        _ => None,
+    }
+}
+
 fn dint(value: &Ex) -> Option<DintOperand> {
     match value {
         Ex::Integer(number) => i32::try_from(*number).ok().map(DintOperand::Number),
@@ -406,10 +432,28 @@ fn dint(value: &Ex) -> Option<DintOperand> {
     }
 }
 
+fn real(value: &Ex) -> Option<RealOperand> {
+    match value {
+        Ex::Real(number) => Some(*number as f32)
+            .filter(|single| f64::from(*single) == *number)
+            .map(RealOperand::Number),
+        Ex::Load(cell) if cell.kind == Elementary::Real => cell.place.fixed().map(RealOperand::At),
+        _ => None,
+    }
+}
+
 /// The first byte of a DINT with a known place.
 fn dint_target(target: &Argument) -> Option<u32> {
+    target_of(target, Elementary::Dint)
+}
+
+fn real_target(target: &Argument) -> Option<u32> {
+    target_of(target, Elementary::Real)
+}
+
+fn target_of(target: &Argument, kind: Elementary) -> Option<u32> {
     match target {
-        Argument::Target(cell) if cell.kind == Elementary::Dint => cell.place.fixed(),
+        Argument::Target(cell) if cell.kind == kind => cell.place.fixed(),
         _ => None,
     }
 }

@@ -221,14 +221,20 @@ impl Scan<'_> {
         let at = self.address(&area.place)?;
         if op == Op::Ctud {
             self.counter_up_down(area, at);
-            return Ok(());
+        } else {
+            self.count(op, at, power);
         }
+        Ok(())
+    }
+
+    /// CTU and CTD.
+    pub(crate) fn count(&mut self, op: Op, at: u32, power: bool) {
         // CU is bit 31, CD bit 30.
         let edge = if op == Op::Ctu { EN_WORD } else { TT_WORD };
         let (word, preset, mut accumulated) = (self.dint(at) as u32, self.dint(at + 4), self.dint(at + 8));
         if self.s.prescan {
             self.put_dint(at, (word | edge) as i32);
-            return Ok(());
+            return;
         }
         let mut next = if power { word | edge } else { word & !edge };
         if power && word & edge == 0 {
@@ -253,7 +259,6 @@ impl Scan<'_> {
             };
         }
         self.put_dint(at, next as i32);
-        Ok(())
     }
 
     fn counter_up_down(&mut self, area: &Area, at: u32) {

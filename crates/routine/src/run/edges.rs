@@ -13,9 +13,7 @@ impl Scan<'_> {
         match (op, arguments) {
             (Op::Ons, [Argument::Bit(storage)]) => {
                 let (at, mask) = self.bit_at(storage)?;
-                let was = self.has(at, mask);
-                self.set(at, mask, power || prescan);
-                Ok(power && !was && !prescan)
+                Ok(self.one_shot_rising(at, mask, power))
             }
             (Op::Osr | Op::Osf, [Argument::Bit(storage), Argument::Bit(output)]) => {
                 let (at, mask) = self.bit_at(storage)?;
@@ -43,6 +41,14 @@ impl Scan<'_> {
             }
             _ => Err(self.unknown()),
         }
+    }
+
+    /// ONS with its storage bit.
+    pub(crate) fn one_shot_rising(&mut self, at: u32, mask: u8, power: bool) -> bool {
+        let prescan = self.s.prescan;
+        let was = self.has(at, mask);
+        self.set(at, mask, power || prescan);
+        power && !was && !prescan
     }
 
     /// LIM and MEQ.

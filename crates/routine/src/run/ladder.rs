@@ -1,10 +1,12 @@
 //! Rungs (spec/programs.md §9): every instruction runs in every scan, with a true or a false condition.
 
+use arcline_tag::Elementary;
+
 use super::Number;
-use super::value::holds;
+use super::value::{holds, holds_real};
 use super::{BUDGET, Cursor, Exit, Host, MAX_CALLS, Run, STATUS_EVENT, Scan};
 use crate::NoMachine;
-use crate::code::{Argument, Body, DintOperand, Instruction, Node, Rung, RungTimer, Statement, Transfer};
+use crate::code::{Argument, Body, DintOperand, Instruction, Node, RealOperand, Rung, RungTimer, Statement, Transfer};
 use crate::table::Op;
 
 impl<'s> Scan<'s> {
@@ -267,7 +269,7 @@ impl<'s> Scan<'s> {
         count
     }
 
-    /// Executes an instruction of bits or DINTs with known places; returns the condition behind it.
+    /// Executes an instruction of bits, numbers or a counter with known places; returns the condition behind it.
     #[inline]
     fn simple(&mut self, node: &Node, power: bool) -> bool {
         match node {
@@ -305,6 +307,29 @@ impl<'s> Scan<'s> {
                 power
             }
             Node::Compare(compare, a, b) => power && holds(*compare, self.dint_operand(*a).cmp(&self.dint_operand(*b))),
+            Node::ComputeReal(operation, a, b, to) => {
+                if power {
+                    self.begin_arithmetic();
+                    let result = self.operate_real(*operation, self.real_operand(*a), self.real_operand(*b));
+                    self.store_real(*to, result);
+                }
+                power
+            }
+            Node::MoveReal(from, to) => {
+                if power {
+                    self.begin_arithmetic();
+                    self.store_real(*to, self.real_operand(*from));
+                }
+                power
+            }
+            Node::CompareReal(compare, a, b) => {
+                power && holds_real(*compare, self.real_operand(*a), self.real_operand(*b))
+            }
+            Node::Ons(at, mask) => self.one_shot_rising(*at, *mask, power),
+            Node::Count(op, at) => {
+                self.count(*op, *at, power);
+                power
+            }
             Node::Branch(_) | Node::Instruction(_) => power,
         }
     }
@@ -324,6 +349,19 @@ impl<'s> Scan<'s> {
         }
         self.put_dint(to, low);
         self.flags(Number::Whole(i64::from(low)));
+    }
+
+    fn real_operand(&self, operand: RealOperand) -> f64 {
+        match operand {
+            RealOperand::Number(number) => f64::from(number),
+            RealOperand::At(at) => self.read_real(at, Elementary::Real),
+        }
+    }
+
+    /// Stores a result with its flags.
+    fn store_real(&mut self, to: u32, result: f64) {
+        self.write(to, Elementary::Real, Number::Real(result));
+        self.flags(Number::Real(f64::from(result as f32)));
     }
 
     fn nodes<const TRACED: bool>(&mut self, nodes: &'s [Node], mut power: bool) -> Run<bool> {

@@ -311,10 +311,7 @@ impl Scan<'_> {
             Ex::CompareReal(compare, operands) => {
                 let a = self.real(&operands.0)?;
                 let b = self.real(&operands.1)?;
-                i64::from(match a.partial_cmp(&b) {
-                    Some(order) => holds(*compare, order),
-                    None => *compare == Compare::NotEqual,
-                })
+                i64::from(holds_real(*compare, a, b))
             }
             Ex::CompareText(compare, texts) => {
                 let (from_a, to_a) = self.text_range(&texts.0)?;
@@ -368,6 +365,27 @@ impl Scan<'_> {
         })
     }
 
+    pub(super) fn operate_real(&mut self, operation: Float, a: f64, b: f64) -> f64 {
+        match operation {
+            Float::Add => a + b,
+            Float::Subtract => a - b,
+            Float::Multiply => a * b,
+            Float::Divide => {
+                if b == 0.0 {
+                    self.counted_minor();
+                }
+                a / b
+            }
+            Float::Modulo if b == 0.0 => {
+                self.s.overflow = true;
+                self.counted_minor();
+                0.0
+            }
+            Float::Modulo => libm::fmod(a, b),
+            Float::Power => libm::pow(a, b),
+        }
+    }
+
     /// A number with a point.
     pub(crate) fn real(&mut self, value: &Ex) -> Run<f64> {
         Ok(match value {
@@ -381,25 +399,7 @@ impl Scan<'_> {
             Ex::Float(operation, width, operands) => {
                 let a = self.real(&operands.0)?;
                 let b = self.real(&operands.1)?;
-                let result = match operation {
-                    Float::Add => a + b,
-                    Float::Subtract => a - b,
-                    Float::Multiply => a * b,
-                    Float::Divide => {
-                        if b == 0.0 {
-                            self.counted_minor();
-                        }
-                        a / b
-                    }
-                    Float::Modulo if b == 0.0 => {
-                        self.s.overflow = true;
-                        self.counted_minor();
-                        0.0
-                    }
-                    Float::Modulo => libm::fmod(a, b),
-                    Float::Power => libm::pow(a, b),
-                };
-                round(result, *width)
+                round(self.operate_real(*operation, a, b), *width)
             }
             Ex::Function(function, width, operand) => {
                 let x = self.real(operand)?;
@@ -531,6 +531,14 @@ pub(super) fn holds(compare: Compare, order: std::cmp::Ordering) -> bool {
         Compare::GreaterEqual => order.is_ge(),
         Compare::Equal => order.is_eq(),
         Compare::NotEqual => order.is_ne(),
+    }
+}
+
+/// The same of two numbers with a point; one that is none is not equal to any.
+pub(super) fn holds_real(compare: Compare, a: f64, b: f64) -> bool {
+    match a.partial_cmp(&b) {
+        Some(order) => holds(compare, order),
+        None => compare == Compare::NotEqual,
     }
 }
 
