@@ -237,9 +237,9 @@ constants! {
         /// With 0.25 ms one live run of `coarse` in three ended so: its end had a tenth to a third of its jerk.
         from_s: f64 = 1e-5,
         to_s: f64 = 5e-4,
-        /// Seconds of motion that a second is worth by which an end is too early. More takes a motion that is far slower, less leaves ends that seem to rest.
-        /// Not measured.
-        weight: f64 = 50.0,
+        /// Seconds of motion that a second is worth by which an end is too early. More takes a slower motion, less leaves ends that seem to rest: with 50, of 210
+        /// ends of `coarse` four were within 0.3 ms behind a tick, now none.
+        weight: f64 = 200.0,
     }
 }
 

@@ -319,7 +319,10 @@ fn extended(
             Ok((found, repairs)) => {
                 // An S-curve is slow where its curve was repaired; from another instant it may need no repair. Before another attempt was made, a spiral of
                 // chords of 0.08 mm fell to half its speed for 0.1 s in one run of four.
-                let is_good = !is_s_curve || repairs == 0 && seen_too_early(&found) == 0.0;
+                // Where the first attempt fails, the next one that succeeds may be slow; the faster of two is used. By that `rows` takes 1 % less time in the mean of
+                // 60 runs, and its slowest run 2 % less, for half as much planning again.
+                let is_sure = tried.len() == 1 || best.is_some();
+                let is_good = !is_s_curve || is_sure && repairs == 0 && seen_too_early(&found) == 0.0;
                 if best.as_ref().is_none_or(|best| costs(&found) < costs(best)) {
                     best = Some(found);
                 }
