@@ -119,7 +119,7 @@ export class Drive {
     addEventListener("keydown", (event) => this.#key(event));
     addEventListener("keyup", (event) => this.#keyUp(event));
     app.jogger.on("change", () => this.update());
-    this.#select(machine.coordinate_systems[0]?.name ?? machine.axes[0]?.name);
+    this.#select(machine.coordinate_systems[0]?.name ?? machine.axes[0]?.name ?? machine.group);
   }
 
   show() {
@@ -199,7 +199,9 @@ export class Drive {
   }
 
   #showSpeed() {
-    const axis = this.app.store.configuredAxis(this.axes[0]);
+    const axis = this.app.store.axis(this.axes[0]);
+    // A machine without axes has nothing to jog.
+    if (!axis) return;
     text(this.speedText, `${short(this.#speedOf(axis.name))} ${rate(axis.units, 1)}`);
   }
 
