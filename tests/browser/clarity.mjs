@@ -17,6 +17,13 @@ export async function a_reload_shows_no_error({ browser, url }) {
   await close(page);
 }
 
+/** A machine without axes, as a project has that only computes: all of its views open. */
+export async function a_machine_without_axes_has_a_page({ browser, url }) {
+  const page = await open(browser, url, "machine");
+  for (const view of ["path", "trends", "drive", "program", "tags", "events", "machine"]) await go(page, view);
+  await close(page);
+}
+
 /** An error is one message, although it comes as an answer and as an event; the view that shows it itself needs none. */
 export async function an_error_is_one_message({ browser, url }) {
   const page = await open(browser, url, "drive");

@@ -67,6 +67,11 @@ fn a_robots_tool_is_drawn() {
 }
 
 #[test]
+fn a_machine_without_axes_has_a_page() {
+    case_on("a_machine_without_axes_has_a_page", "empty.toml");
+}
+
+#[test]
 fn a_login_gives_the_role() {
     case_with_users("a_login_gives_the_role", false);
 }
