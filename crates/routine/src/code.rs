@@ -277,19 +277,15 @@ pub(crate) enum Node {
     Instruction(Box<Instruction>),
 }
 
-/// A DINT: a number, or the one at a byte of the memory.
+/// A number that does not change, or the one at a byte of the memory.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum DintOperand {
-    Number(i32),
+pub(crate) enum NumberOperand<T> {
+    Number(T),
     At(u32),
 }
 
-/// A REAL: a number, or the one at a byte of the memory.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum RealOperand {
-    Number(f32),
-    At(u32),
-}
+pub(crate) type DintOperand = NumberOperand<i32>;
+pub(crate) type RealOperand = NumberOperand<f32>;
 
 /// An instruction with its operands.
 #[derive(Clone, Debug)]

@@ -10,8 +10,8 @@ use arcline_instruction_set::MotionControl;
 use arcline_tag::Elementary;
 
 use crate::code::{
-    Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, DintOperand, Ex, Index, Instruction, Node, Place,
-    RealOperand, Referenced, Rung, RungTimer, Select, Statement, TextPart,
+    Action, AddOnCall, Area, Argument, Bit, Body, Cellular, Code, DintOperand, Ex, Index, Instruction, Node,
+    NumberOperand, Place, RealOperand, Referenced, Rung, RungTimer, Select, Statement, TextPart,
 };
 use crate::readers::{Collector, Operands, Readers};
 use crate::table::Op;
@@ -192,38 +192,24 @@ impl<'c> Finder<'c> {
             | Node::Otl(at, mask)
             | Node::Otu(at, mask)
             | Node::Ons(at, mask) => self.note(*at, at + 1, *mask),
-            Node::Compute(_, a, b, to) => [*a, *b, DintOperand::At(*to)]
-                .into_iter()
-                .try_for_each(|one| self.dint(one)),
-            Node::Move(from, to) => [*from, DintOperand::At(*to)]
-                .into_iter()
-                .try_for_each(|one| self.dint(one)),
-            Node::Compare(_, a, b) => [*a, *b].into_iter().try_for_each(|one| self.dint(one)),
-            Node::ComputeReal(_, a, b, to) => [*a, *b, RealOperand::At(*to)]
-                .into_iter()
-                .try_for_each(|one| self.real(one)),
-            Node::MoveReal(from, to) => [*from, RealOperand::At(*to)]
-                .into_iter()
-                .try_for_each(|one| self.real(one)),
-            Node::CompareReal(_, a, b) => [*a, *b].into_iter().try_for_each(|one| self.real(one)),
+            Node::Compute(_, a, b, to) => self.operands([*a, *b, DintOperand::At(*to)]),
+            Node::Move(from, to) => self.operands([*from, DintOperand::At(*to)]),
+            Node::Compare(_, a, b) => self.operands([*a, *b]),
+            Node::ComputeReal(_, a, b, to) => self.operands([*a, *b, RealOperand::At(*to)]),
+            Node::MoveReal(from, to) => self.operands([*from, RealOperand::At(*to)]),
+            Node::CompareReal(_, a, b) => self.operands([*a, *b]),
             Node::Count(_, at) => self.note(*at, at + COUNTER, 0xFF),
             Node::Branch(legs) => legs.iter().try_for_each(|leg| self.nodes(leg)),
             Node::Instruction(instruction) => self.instruction(instruction),
         })
     }
 
-    fn dint(&mut self, operand: DintOperand) -> Known {
-        match operand {
-            DintOperand::Number(_) => Some(()),
-            DintOperand::At(at) => self.note(at, at + 4, 0xFF),
-        }
-    }
-
-    fn real(&mut self, operand: RealOperand) -> Known {
-        match operand {
-            RealOperand::Number(_) => Some(()),
-            RealOperand::At(at) => self.note(at, at + 4, 0xFF),
-        }
+    /// DINTs or REALs.
+    fn operands<T, const N: usize>(&mut self, all: [NumberOperand<T>; N]) -> Known {
+        all.into_iter().try_for_each(|one| match one {
+            NumberOperand::Number(_) => Some(()),
+            NumberOperand::At(at) => self.note(at, at + 4, 0xFF),
+        })
     }
 
     fn statements(&mut self, statements: &[Statement]) -> Known {

@@ -277,7 +277,7 @@ fn extended(
     // A search that fails from one instant of the running motion may succeed from another one.
     let (mut work, mut tried, mut soonest_later) = (None, Vec::new(), f64::NEG_INFINITY);
     let is_s_curve = Smoothness::of(moves) == Smoothness::SCurve;
-    // Nobody sees the end of a motion that another extension follows.
+    // The axes come to rest at the end of the last extension only: the next one replaces the end of any other.
     let seen_too_early = |found: &Trajectory| {
         if is_s_curve && is_last {
             too_early(found.duration())
