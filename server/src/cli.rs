@@ -158,7 +158,7 @@ pub(crate) struct RunProgram {
     /// The project of a controller whose tasks run beside the motion. Without --config the machine is the project's.
     #[arg(value_name = "PROJECT.L5X")]
     program: Option<PathBuf>,
-    /// Run a project whose unsupported instructions are named and passed over.
+    /// Run a project of which parts are missing or not supported: they are named and passed over.
     #[arg(long, requires = "program")]
     allow_missing: bool,
     #[command(flatten)]

@@ -10,7 +10,7 @@ use arcline_routine::{Cell, Finding, FindingKind, Loaded};
 
 use crate::names::{Names, NotPlaced, Places};
 
-/// The treatment of instructions, routines and tasks that do not run.
+/// The treatment of instructions, routines and tasks that do not run, and of what names a tag that is not there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum UnknownParts {
     /// The project is refused, and they are named.
@@ -20,8 +20,8 @@ pub enum UnknownParts {
 }
 
 impl UnknownParts {
-    /// Whether a finding keeps a project from running. A tag of an unknown type, or of a module without data, is left out: routines that name it do
-    /// not compile.
+    /// Whether a finding keeps a project from running. A tag of an unknown type, or of a module without data, is left out: what
+    /// names it does not compile.
     fn are_blocked_by(self, finding: &Finding) -> bool {
         match finding.kind {
             FindingKind::Error => true,

@@ -259,6 +259,44 @@ fn parts_that_do_not_run_are_named_or_passed_over() {
 }
 
 #[test]
+fn what_names_a_tag_that_is_not_there_is_named_or_passed_over_and_an_error_is_neither() {
+    let text = with("", &["XIC(Loop.Auto)OTL(Done);", "MOV(7,Target);"]);
+    let Err(LoadError::Parts(parts)) = load(&text, UnknownParts::Refused) else {
+        panic!("there is no tag Loop")
+    };
+    assert_eq!(
+        parts.to_string(),
+        "Main/Go rung 0: XIC(Loop.Auto): Data Bit Loop.Auto: there is no tag Loop; 1 parts of the project do not run"
+    );
+    let mut cell = load(&text, UnknownParts::Allowed).expect("the rest runs");
+    assert_eq!(cell.findings(), parts.findings);
+    cell.begin(&mut Blind).expect("a prescan without a fault");
+    ticks(&mut cell, 1);
+    assert_eq!((number(&mut cell, "Target"), number(&mut cell, "Done")), (7.0, 0.0));
+    let wrong = with("", &["XIC(Target)OTL(Done);"]);
+    assert!(
+        load(&wrong, UnknownParts::Allowed).is_err(),
+        "a number is no BOOL, and no part of a project that is missing"
+    );
+}
+
+#[test]
+fn an_array_of_one_motion_control_tag_moves_an_axis() {
+    let tags = "<Tag Name=\"Moves\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" Dimensions=\"1\"/>\
+        <Tag Name=\"Power\" TagType=\"Base\" DataType=\"MOTION_INSTRUCTION\" Dimensions=\"1\"/>";
+    let rungs = [
+        "MSO(X,Power[0]);",
+        "XIC(Power[0].DN)MAM(X,Moves[0],0,Target,50,Units per sec,100,% of Maximum,100,% of Maximum,Trapezoidal,100,100,% of Time,Disabled,0,0,None,0,0);",
+    ];
+    let mut cell = begun(&with(tags, &rungs));
+    ticks(&mut cell, 5000);
+    assert_eq!(
+        (number(&mut cell, "X.ActualPosition"), number(&mut cell, "Moves[0].PC")),
+        (25.0, 1.0)
+    );
+}
+
+#[test]
 fn an_ssv_without_effect_is_named_when_the_project_is_loaded() {
     let tags = "<Tag Name=\"Date\" TagType=\"Base\" DataType=\"DINT\" Dimensions=\"7\"/>\
         <Tag Name=\"CS\" TagType=\"Base\" DataType=\"COORDINATE_SYSTEM\"><Data Format=\"CoordinateSystem\">\

@@ -520,7 +520,7 @@ impl Cell {
         for (tag, value) in given {
             let write = Expression::parse(&program_scopes(tag))
                 .map_err(|error| error.to_string())
-                .and_then(|target| compiler.value_for(&target, value))
+                .and_then(|target| Ok(compiler.value_for(&target, value)?))
                 .map_err(|reason| ((*tag).to_owned(), reason))?;
             all.push(((*tag).to_owned(), write));
         }

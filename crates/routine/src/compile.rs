@@ -14,8 +14,10 @@ mod statement;
 mod structure;
 mod system;
 mod wire;
+mod wrong;
 
 pub(crate) use expression::status_of;
+pub(crate) use wrong::Wrong;
 
 use std::collections::BTreeMap;
 
@@ -116,9 +118,6 @@ pub(crate) struct Compiler<'p> {
     pub(crate) uses_carry: bool,
     first_numbers: FirstNumbers,
 }
-
-/// The reason for which an operand or a statement cannot be compiled, in words.
-pub(crate) type Wrong = String;
 
 impl<'p> Compiler<'p> {
     pub(crate) fn new(project: &'p Project, directory: &'p mut dyn Directory) -> Self {

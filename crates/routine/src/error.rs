@@ -118,6 +118,8 @@ pub enum FindingKind {
     Shared,
     /// A number in a text that is not the first value of its tag.
     FirstNumber,
+    /// A tag, member, type, routine, task or function that an instruction or a statement names and the project does not have, or Arcline left out.
+    Absent,
     /// An operand, a tag or a text that does not fit.
     Error,
 }
@@ -133,6 +135,7 @@ impl FindingKind {
             Self::Task => "task",
             Self::Tag | Self::Shared | Self::FirstNumber => "tag",
             Self::Module => "module",
+            Self::Absent => "missing",
             Self::Error => "error",
         }
     }
@@ -161,7 +164,7 @@ impl fmt::Display for Finding {
         }
         match (self.kind, self.reason.as_str()) {
             (kind, "") => write!(f, "{} {} is not supported", kind.name(), self.name),
-            (FindingKind::Error, reason) => write!(f, "{}: {reason}", self.name),
+            (FindingKind::Absent | FindingKind::Error, reason) => write!(f, "{}: {reason}", self.name),
             (kind, reason) => write!(f, "{} {}: {reason}", kind.name(), self.name),
         }
     }

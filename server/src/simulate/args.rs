@@ -65,7 +65,7 @@ pub(crate) struct SimulateArgs {
     /// Let the scans of a project's continuous task fall in other ticks, to find races: same seed, same run.
     #[arg(long, value_name = "SEED")]
     pub(crate) scan_phase: Option<u64>,
-    /// Run a project whose unsupported instructions are named and passed over.
+    /// Run a project of which parts are missing or not supported: they are named and passed over.
     #[arg(long)]
     pub(crate) allow_missing: bool,
     /// Continue after an instruction has erred.

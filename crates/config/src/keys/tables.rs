@@ -354,7 +354,7 @@ pub(crate) static CONTROLLER: Keys = Keys {
             name: "allow_missing",
             kind: Kind::Boolean,
             default: Default::Boolean(false),
-            meaning: "whether instructions that Arcline does not have are passed over; otherwise the project is refused",
+            meaning: "whether parts of the project that are missing or not supported are passed over; otherwise the project is refused",
         },
         Key {
             name: "messages",

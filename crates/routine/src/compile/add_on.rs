@@ -45,15 +45,9 @@ impl Compiler<'_> {
         };
         let definition = project.instructions.get(number).ok_or("there is no such instruction")?;
         let (instance, rest) = operands.split_first().ok_or("expected the instance")?;
-        let area = self
-            .area_of(instance)
-            .map_err(|reason| format!("{instance}: {reason}"))?;
+        let area = self.area_of(instance).map_err(|reason| reason.of(instance))?;
         if !area.data_type.name().eq_ignore_ascii_case(&definition.name) || area.is_whole {
-            return Err(format!(
-                "{instance} is {}, expected {}",
-                area.data_type.name(),
-                definition.name
-            ));
+            return Err(format!("{instance} is {}, expected {}", area.data_type.name(), definition.name).into());
         }
         let required = definition
             .parameters
@@ -61,14 +55,14 @@ impl Compiler<'_> {
             .filter(|one| one.is_required || one.usage == Usage::InOut);
         let required: Vec<_> = required.collect();
         if rest.len() != required.len() {
-            return Err(format!("{} parameters, expected {}", rest.len(), required.len()));
+            return Err(format!("{} parameters, expected {}", rest.len(), required.len()).into());
         }
         let DataType::Structure(template) = area.data_type.clone() else {
             return Ok(None);
         };
         let (mut inputs, mut outputs, mut references) = (Vec::new(), Vec::new(), Vec::new());
         for (parameter, text) in required.into_iter().zip(rest) {
-            let wrong = |reason: Wrong| format!("{} {text}: {reason}", parameter.member.name);
+            let wrong = |reason: Wrong| reason.of(format_args!("{} {text}", parameter.member.name));
             if parameter.usage == Usage::InOut {
                 let (reference, literal) = self.referenced(&parameter.member, text).map_err(wrong)?;
                 references.push(reference);
@@ -76,7 +70,7 @@ impl Compiler<'_> {
                 continue;
             }
             let Some(member) = template.member(&parameter.member.name) else {
-                return Err(wrong("has no place in the instance".to_owned()));
+                return Err(wrong("has no place in the instance".into()));
             };
             let place = Place {
                 base: 1,
@@ -89,7 +83,7 @@ impl Compiler<'_> {
                     select: Select::Mask(1 << bit),
                 }),
                 (None, DataType::Elementary(kind)) => Argument::Target(Cellular { place, kind: *kind }),
-                (None, DataType::Structure(_)) => return Err(wrong("structures are passed by reference".to_owned())),
+                (None, DataType::Structure(_)) => return Err(wrong("structures are passed by reference".into())),
             };
             // An operand that is left out keeps the parameter's value.
             if text.is_empty() || *text == "?" {
@@ -133,7 +127,7 @@ impl Compiler<'_> {
         if is_module(&parameter.data_type) {
             return match self.names_module(&reference) {
                 true => Ok((Referenced::nothing(), None)),
-                false => Err("is no module".to_owned()),
+                false => Err("is no module".into()),
             };
         }
         self.referenced_tag(parameter, &reference).map(|one| (one, None))
@@ -146,11 +140,11 @@ impl Compiler<'_> {
         let kind = match tag_type.data_type {
             DataType::Elementary(kind) if parameter.dimensions.is_empty() => Some(kind),
             _ if *literal == Expression::Integer(0) => None,
-            _ => return Err("expected a tag".to_owned()),
+            _ => return Err("expected a tag".into()),
         };
         let from = match self.value(literal)? {
             from @ (Argument::Integer(Ex::Integer(_)) | Argument::Real(Ex::Real(_))) => from,
-            _ => return Err("expected a tag".to_owned()),
+            _ => return Err("expected a tag".into()),
         };
         let (at, size) = (self.tags.bytes.len().next_multiple_of(8), tag_type.size());
         self.tags.bytes.resize(at + size.max(8), 0);
@@ -248,11 +242,11 @@ fn check_type(expected: &str, found: &Found) -> Result<(), Wrong> {
         || (is_axis(name) && is_axis(expected))
         || (name == "DWORD" && expected.eq_ignore_ascii_case("BOOL"));
     if found.bit.is_some() {
-        Err(format!("is a bit, expected {expected}"))
+        Err(format!("is a bit, expected {expected}").into())
     } else if same {
         Ok(())
     } else {
-        Err(format!("is {name}, expected {expected}"))
+        Err(format!("is {name}, expected {expected}").into())
     }
 }
 
@@ -262,9 +256,11 @@ fn check_size(parameter: &MemberSource, found: &Found) -> Result<(), Wrong> {
     let rank = found.dimensions.iter().take_while(|size| **size > 0).count();
     match (expected.len(), rank) {
         (0, 0) => return Ok(()),
-        (0, _) => return Err(format!("is an array, expected one {name}")),
-        (_, 0) => return Err(format!("is one {name}, expected an array")),
-        (expected, rank) if expected != rank => return Err(format!("has {rank} dimensions, expected {expected}")),
+        (0, _) => return Err(format!("is an array, expected one {name}").into()),
+        (_, 0) => return Err(format!("is one {name}, expected an array").into()),
+        (expected, rank) if expected != rank => {
+            return Err(format!("has {rank} dimensions, expected {expected}").into());
+        }
         _ => {}
     }
     let given = match found.bits {
@@ -272,7 +268,7 @@ fn check_size(parameter: &MemberSource, found: &Found) -> Result<(), Wrong> {
         None => found.dimensions,
     };
     match expected.iter().zip(given).find(|(expected, given)| *given < **expected) {
-        Some((expected, given)) => Err(format!("has {given} elements, expected {expected} or more")),
+        Some((expected, given)) => Err(format!("has {given} elements, expected {expected} or more").into()),
         None => Ok(()),
     }
 }

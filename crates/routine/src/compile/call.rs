@@ -38,19 +38,24 @@ impl Compiler<'_> {
             Ok(Some(instruction)) => Some(instruction),
             Ok(None) => {
                 self.find(FindingKind::Instruction, name, "");
-                let name = self.text(name);
-                Some(Instruction {
-                    op: Op::Missing,
-                    name,
-                    arguments: Box::default(),
-                    is_edge: false,
-                })
+                Some(self.passed_over(name))
             }
-            Err(reason) => {
+            Err(wrong) => {
                 let written = format!("{name}({})", operands.join(","));
-                self.find(FindingKind::Error, &written, &reason);
-                None
+                self.find(wrong.kind(), &written, &wrong.to_string());
+                (wrong.kind() == FindingKind::Absent).then(|| self.passed_over(name))
             }
+        }
+    }
+
+    /// An instruction that the scan passes over; one that reads is false.
+    fn passed_over(&mut self, name: &str) -> Instruction {
+        let reads = table::row(name).is_some_and(|row| row.form == Form::Input);
+        Instruction {
+            op: if reads { Op::Afi } else { Op::Missing },
+            name: self.text(name),
+            arguments: Box::default(),
+            is_edge: false,
         }
     }
 
@@ -88,7 +93,7 @@ impl Compiler<'_> {
         let operands = shown.as_deref().unwrap_or(operands);
         let expected = row.operands.len();
         if operands.len() < expected || (operands.len() > expected && !row.takes_more()) {
-            return Err(format!("{} operands, expected {expected}", operands.len()));
+            return Err(format!("{} operands, expected {expected}", operands.len()).into());
         }
         let arguments = match row.op {
             Op::Compute => self.compute(row, operands)?,
@@ -113,7 +118,7 @@ impl Compiler<'_> {
                 for ((what, kind), text) in row.operands.iter().zip(operands) {
                     let argument = self
                         .operand(*kind, text)
-                        .map_err(|reason| format!("{what} {text}: {reason}"))?;
+                        .map_err(|reason| reason.of(format_args!("{what} {text}")))?;
                     arguments.push(argument);
                 }
                 self.promote(row.op, operands, &mut arguments)?;
@@ -167,9 +172,7 @@ impl Compiler<'_> {
         let mut values = Vec::new();
         for source in sources {
             let expression = Expression::parse(source).map_err(|error| format!("{source}: {error}"))?;
-            let value = self
-                .number(&expression, least)
-                .map_err(|reason| format!("{source}: {reason}"))?;
+            let value = self.number(&expression, least).map_err(|reason| reason.of(source))?;
             values.push(value);
         }
         let name = row.name();
@@ -211,7 +214,7 @@ impl Compiler<'_> {
                 )
             }
             (_, [value]) => self.apply(name, value.clone(), least).ok_or("no such function")?,
-            _ => return Err("wrong operands".to_owned()),
+            _ => return Err("wrong operands".into()),
         };
         let value = if sort.is_real() {
             Argument::Real(value)
@@ -259,19 +262,15 @@ impl Compiler<'_> {
 
     fn compare(&mut self, compare: Compare, operands: &[&str]) -> Result<Ex, Wrong> {
         let [a, b] = operands else {
-            return Err("expected 2 operands".to_owned());
+            return Err("expected 2 operands".into());
         };
         let parse = |text: &str| Expression::parse(text).map_err(|error| format!("{text}: {error}"));
         let (left, right) = (parse(a)?, parse(b)?);
         if let Some(texts) = self.texts(compare, &left, &right)? {
             return Ok(texts);
         }
-        let a = self
-            .number(&left, Sort::Whole)
-            .map_err(|reason| format!("{a}: {reason}"))?;
-        let b = self
-            .number(&right, Sort::Whole)
-            .map_err(|reason| format!("{b}: {reason}"))?;
+        let a = self.number(&left, Sort::Whole).map_err(|reason| reason.of(a))?;
+        let b = self.number(&right, Sort::Whole).map_err(|reason| reason.of(b))?;
         Ok(compared(compare, a, b))
     }
 
@@ -280,7 +279,7 @@ impl Compiler<'_> {
         let (name, rest) = operands.split_first().ok_or("expected a routine")?;
         let routine = self
             .routine_id(name)
-            .ok_or_else(|| format!("there is no routine {name}"))?;
+            .ok_or_else(|| Wrong::absent(format!("there is no routine {name}")))?;
         let (count, rest) = match rest.split_first() {
             None => (0, rest),
             Some((count, rest)) => {
@@ -291,7 +290,7 @@ impl Compiler<'_> {
             }
         };
         if count > rest.len() {
-            return Err(format!("{count} inputs, but {} operands follow", rest.len()));
+            return Err(format!("{count} inputs, but {} operands follow", rest.len()).into());
         }
         let (inputs, returns) = rest.split_at(count);
         let inputs: Box<[Argument]> = inputs
@@ -306,12 +305,12 @@ impl Compiler<'_> {
         let parameters = parameters.iter().filter(|text| !text.is_empty());
         let parameters: Box<[Argument]> = parameters.map(|text| self.written(text)).collect::<Result<_, _>>()?;
         for (number, (from, to)) in inputs.iter().zip(&parameters).enumerate() {
-            transfers(from, to).map_err(|reason| format!("input {}: {reason}", number + 1))?;
+            transfers(from, to).map_err(|reason| reason.of(format_args!("input {}", number + 1)))?;
         }
         let values = self.operands_of(routine, "RET").unwrap_or_default();
         for (number, (text, to)) in values.iter().filter(|text| !text.is_empty()).zip(&returns).enumerate() {
             let from = self.data_or_number(text)?;
-            transfers(&from, to).map_err(|reason| format!("return {}: {reason}", number + 1))?;
+            transfers(&from, to).map_err(|reason| reason.of(format_args!("return {}", number + 1)))?;
         }
         Ok(Transfer {
             routine,

@@ -61,7 +61,7 @@ impl Compiler<'_> {
             Expression::Integer(value) => Ok((Ex::Integer(*value), Sort::Whole)),
             Expression::Real(value) if least == Sort::Double => Ok((Ex::Real(*value), Sort::Double)),
             Expression::Real(value) => Ok((Ex::Real(f64::from(*value as f32)), Sort::Single)),
-            Expression::Text(_) => Err("a text is no number".to_owned()),
+            Expression::Text(_) => Err("a text is no number".into()),
             Expression::Reference(reference) => self.load(reference),
             Expression::Unary(Unary::Negate, operand) => {
                 let (value, from) = self.number(operand, least)?;
@@ -125,11 +125,11 @@ impl Compiler<'_> {
 
     fn function(&mut self, name: &str, arguments: &[Expression], least: Sort) -> Result<(Ex, Sort), Wrong> {
         let [argument] = arguments else {
-            return Err(format!("{name} takes one number"));
+            return Err(format!("{name} takes one number").into());
         };
         let (value, sort) = self.number(argument, least)?;
         self.apply(name, (value, sort), least)
-            .ok_or_else(|| format!("there is no function {name}"))
+            .ok_or_else(|| Wrong::absent(format!("there is no function {name}")))
     }
 
     /// A function of a number.
@@ -167,7 +167,7 @@ impl Compiler<'_> {
             return Ok((Ex::Bit(Box::new(bit)), Sort::Bool));
         }
         if found.is_array() {
-            return Err(format!("{reference} is an array, expected an element"));
+            return Err(format!("{reference} is an array, expected an element").into());
         }
         match found.data_type {
             DataType::Elementary(kind) => {
@@ -178,7 +178,7 @@ impl Compiler<'_> {
                 };
                 Ok((value, Sort::of(kind)))
             }
-            DataType::Structure(template) => Err(format!("{reference} is {}, expected a number", template.name)),
+            DataType::Structure(template) => Err(format!("{reference} is {}, expected a number", template.name).into()),
         }
     }
 

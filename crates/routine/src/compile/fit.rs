@@ -10,15 +10,15 @@ use crate::types::text_layout;
 /// Whether the scan has an effect for these operands of an instruction.
 pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
     match (op, arguments) {
-        (Op::Ote | Op::Otl | Op::Otu, [Argument::Status(Status::FirstScan)]) => Err("S:FS is not written".to_owned()),
+        (Op::Ote | Op::Otl | Op::Otu, [Argument::Status(Status::FirstScan)]) => Err("S:FS is not written".into()),
         (Op::Ote | Op::Otl | Op::Otu, _) => Ok(()),
         (_, all) if all.iter().any(|one| matches!(one, Argument::Status(_))) => {
-            Err("a status bit is no storage".to_owned())
+            Err("a status bit is no storage".into())
         }
         (Op::Cop, [from, to, _]) => {
             area("Dest", to)?;
             match from {
-                Argument::Bit(_) => Err(format!("Source is {}", described(from))),
+                Argument::Bit(_) => Err(format!("Source is {}", described(from)).into()),
                 _ => Ok(()),
             }
         }
@@ -27,13 +27,13 @@ pub(crate) fn check(op: Op, arguments: &[Argument]) -> Result<(), Wrong> {
         (Op::Mov, [from, to]) => match (from, to) {
             (Argument::Text(_), Argument::Text(TextPart::Tag { .. })) => Ok(()),
             (Argument::Text(_), _) | (_, Argument::Text(_)) => {
-                Err(format!("Source is {}, Dest is {}", described(from), described(to)))
+                Err(format!("Source is {}, Dest is {}", described(from), described(to)).into())
             }
             _ => Ok(()),
         },
         (Op::Swpb, [.., to]) => match to {
             Argument::Target(_) => Ok(()),
-            _ => Err(format!("Dest is {}, expected a whole number", described(to))),
+            _ => Err(format!("Dest is {}, expected a whole number", described(to)).into()),
         },
         (Op::Bsl | Op::Bsr | Op::Ave | Op::Std | Op::Srt | Op::Sqi | Op::Sqo | Op::Sql, [of, ..]) => {
             numbers(area("Array", of)?).map(|_| ())
@@ -54,7 +54,7 @@ pub(crate) fn transfers(from: &Argument, to: &Argument) -> Result<(), Wrong> {
     if fits {
         Ok(())
     } else {
-        Err(format!("{} does not fit into {}", described(from), described(to)))
+        Err(format!("{} does not fit into {}", described(from), described(to)).into())
     }
 }
 
@@ -67,11 +67,7 @@ fn fill(from: &Argument, to: &Area) -> Result<(), Wrong> {
     if fits {
         Ok(())
     } else {
-        Err(format!(
-            "Source is {}, Dest is {}",
-            described(from),
-            to.data_type.name()
-        ))
+        Err(format!("Source is {}, Dest is {}", described(from), to.data_type.name()).into())
     }
 }
 
@@ -86,11 +82,7 @@ fn queue(array: &Area, name: &str, value: &Argument, loads: bool) -> Result<(), 
     if fits {
         Ok(())
     } else {
-        Err(format!(
-            "{name} is {}, expected {}",
-            described(value),
-            array.data_type.name()
-        ))
+        Err(format!("{name} is {}, expected {}", described(value), array.data_type.name()).into())
     }
 }
 
@@ -116,14 +108,14 @@ fn is_word_of_bits(area: &Area) -> bool {
 fn area<'a>(name: &str, argument: &'a Argument) -> Result<&'a Area, Wrong> {
     match argument {
         Argument::Area(area) => Ok(area),
-        other => Err(format!("{name} is {}, expected data", described(other))),
+        other => Err(format!("{name} is {}, expected data", described(other)).into()),
     }
 }
 
 fn numbers(area: &Area) -> Result<&Area, Wrong> {
     match &area.data_type {
         DataType::Elementary(_) => Ok(area),
-        DataType::Structure(template) => Err(format!("Array is {}, expected numbers", template.name)),
+        DataType::Structure(template) => Err(format!("Array is {}, expected numbers", template.name).into()),
     }
 }
 

@@ -4,7 +4,7 @@
 use arcline_instruction_set::{
     Argument as Bound, Call, ControlSlot, Kind, MAX_OPERANDS, Mnemonic, Object, RealArray, predefined,
 };
-use arcline_tag::{DataType, Elementary};
+use arcline_tag::{DataType, Elementary, elements_of};
 
 use super::expression::{Sort, cast};
 use super::operand::parse;
@@ -32,7 +32,7 @@ impl Compiler<'_> {
                 tag.at,
                 &tag.full_name(),
                 &control,
-                tag.tag_type.elements(),
+                &tag.tag_type.dimensions,
                 &mut places,
             );
             for (at, name) in places {
@@ -69,7 +69,7 @@ impl Compiler<'_> {
         let expected = instruction.operands.len();
         let ignored = instruction.ignored_operand().filter(|_| operands.len() == expected + 1);
         if operands.len() > expected && ignored.is_none() {
-            return Err(format!("{} operands, expected {expected}", operands.len()));
+            return Err(format!("{} operands, expected {expected}", operands.len()).into());
         }
         let given = operands
             .iter()
@@ -86,16 +86,14 @@ impl Compiler<'_> {
         let (mut target, mut control, mut dynamic) = (None, None, Vec::new());
         for (place, operand) in instruction.operands.iter().enumerate() {
             let text = given.get(place).copied().unwrap_or_default();
-            let wrong = |reason: Wrong| format!("{} {text}: {reason}", operand.name);
+            let wrong = |reason: Wrong| reason.of(format_args!("{} {text}", operand.name));
             match &operand.kind {
                 Kind::Target(_) => target = Some(self.area_of(text).map_err(wrong)?.place),
                 Kind::MotionControl => {
                     let area = self.area_of(text).map_err(wrong)?;
                     if area.data_type.name() != "MOTION_INSTRUCTION" || area.is_whole {
-                        return Err(wrong(format!(
-                            "is {}, expected MOTION_INSTRUCTION",
-                            area.data_type.name()
-                        )));
+                        let reason = format!("is {}, expected MOTION_INSTRUCTION", area.data_type.name());
+                        return Err(wrong(reason.into()));
                     }
                     control = Some(area.place);
                 }
@@ -145,21 +143,21 @@ impl Compiler<'_> {
                 Expression::Reference(_) => {
                     let area = self.area_of(text)?;
                     if !matches!(area.data_type, DataType::Elementary(kind) if kind != Elementary::Bool) {
-                        return Err(format!("is {}, expected an array of REAL", area.data_type.name()));
+                        return Err(format!("is {}, expected an array of REAL", area.data_type.name()).into());
                     }
                     Ok(Operand::Read(MotionOperand::Array(area)))
                 }
                 expression => match self.number(&expression, Sort::Double)?.0 {
                     Ex::Real(number) => Ok(Operand::Fixed(Bound::Array(RealArray::from_slice(&[number])))),
                     Ex::Integer(number) => Ok(Operand::Fixed(Bound::Array(RealArray::from_slice(&[number as f64])))),
-                    _ => Err("expected an array".to_owned()),
+                    _ => Err("expected an array".into()),
                 },
             },
             Kind::Object(_) => Ok(Operand::Read(MotionOperand::Object(self.area_of(text)?.place))),
             Kind::WrittenArray(_) => {
                 let area = self.area_of(text)?;
                 if area.data_type != DataType::Elementary(Elementary::Real) {
-                    return Err(format!("is {}, expected an array of REAL", area.data_type.name()));
+                    return Err(format!("is {}, expected an array of REAL", area.data_type.name()).into());
                 }
                 self.share(&area);
                 Ok(Operand::Read(MotionOperand::Written(area)))
@@ -168,7 +166,7 @@ impl Compiler<'_> {
                 let area = self.area_of(text)?;
                 let expected = name.split('[').next().unwrap_or(name);
                 if !area.data_type.name().eq_ignore_ascii_case(expected) {
-                    return Err(format!("is {}, expected {name}", area.data_type.name()));
+                    return Err(format!("is {}, expected {name}", area.data_type.name()).into());
                 }
                 self.share(&area);
                 Ok(Operand::Read(MotionOperand::Tag(area)))
@@ -191,10 +189,10 @@ impl Compiler<'_> {
     pub(crate) fn area_of(&mut self, text: &str) -> Result<Area, Wrong> {
         match parse(text)? {
             Expression::Reference(reference) => match self.resolve(&reference)? {
-                found if found.bit.is_some() => Err("is a bit, expected data".to_owned()),
+                found if found.bit.is_some() => Err("is a bit, expected data".into()),
                 found => Ok(found.area()),
             },
-            _ => Err("expected a tag".to_owned()),
+            _ => Err("expected a tag".into()),
         }
     }
 
@@ -234,15 +232,23 @@ enum Operand {
 }
 
 /// The motion control structures in a tag, with names.
-fn controls_in(of: &DataType, at: u32, name: &str, control: &DataType, elements: u32, places: &mut Vec<(u32, String)>) {
+fn controls_in(
+    of: &DataType,
+    at: u32,
+    name: &str,
+    control: &DataType,
+    dimensions: &[u32],
+    places: &mut Vec<(u32, String)>,
+) {
     let size = of.size() as u32;
     let DataType::Structure(template) = of else { return };
-    for element in 0..elements {
+    let is_array = dimensions.first().is_some_and(|size| *size > 0);
+    for element in 0..elements_of(dimensions) {
         if places.len() >= MAX_CONTROLS {
             return;
         }
         let at = at + element * size;
-        let name = if elements > 1 {
+        let name = if is_array {
             format!("{name}[{element}]")
         } else {
             name.to_owned()
@@ -262,7 +268,7 @@ fn controls_in(of: &DataType, at: u32, name: &str, control: &DataType, elements:
                     at + member.offset,
                     &inner,
                     control,
-                    member.elements() as u32,
+                    &[u32::from(member.dimension)],
                     places,
                 );
             }

@@ -17,7 +17,9 @@ impl Compiler<'_> {
             Kind::Word(words) => return word(words, text),
             Kind::Mode => return self.mode(text),
             Kind::Routine => {
-                let routine = self.routine_id(text).ok_or("there is no such routine")?;
+                let routine = self
+                    .routine_id(text)
+                    .ok_or_else(|| Wrong::absent("there is no such routine".to_owned()))?;
                 return Ok(Argument::Routine(routine));
             }
             Kind::Label => {
@@ -32,7 +34,7 @@ impl Compiler<'_> {
                     .position(|task| task.name.eq_ignore_ascii_case(text));
                 let place = place
                     .and_then(|place| u32::try_from(place).ok())
-                    .ok_or("there is no such task")?;
+                    .ok_or_else(|| Wrong::absent("there is no such task".to_owned()))?;
                 return Ok(Argument::Task(place));
             }
             _ => {}
@@ -51,7 +53,7 @@ impl Compiler<'_> {
                     Some(status) => Ok(Argument::Status(status)),
                     None => self.bit(reference),
                 },
-                _ => Err("expected a BOOL".to_owned()),
+                _ => Err("expected a BOOL".into()),
             },
             Kind::Number | Kind::Expression => self.value(&expression),
             Kind::Unsigned => Ok(Argument::Integer(unsigned(self.whole(&expression)?))),
@@ -68,24 +70,24 @@ impl Compiler<'_> {
             Kind::Data => self.data(&expression),
             Kind::Structure(names) => {
                 let Argument::Area(area) = self.data(&expression)? else {
-                    return Err("expected a tag".to_owned());
+                    return Err("expected a tag".into());
                 };
                 let name = area.data_type.name();
                 if names.iter().any(|known| known.eq_ignore_ascii_case(name)) && !area.is_whole {
                     Ok(Argument::Area(area))
                 } else {
-                    Err(format!("is {name}, expected {}", names.join(" or ")))
+                    Err(format!("is {name}, expected {}", names.join(" or ")).into())
                 }
             }
             Kind::Text => self
                 .text_part(&expression)
                 .map(Argument::Text)
-                .ok_or("expected a text".to_owned()),
+                .ok_or("expected a text".into()),
             Kind::TextTarget => match self.text_part(&expression) {
                 Some(part @ TextPart::Tag { .. }) => Ok(Argument::Text(part)),
-                _ => Err("expected a tag of a type of texts".to_owned()),
+                _ => Err("expected a tag of a type of texts".into()),
             },
-            _ => Err("unexpected".to_owned()),
+            _ => Err("unexpected".into()),
         }
     }
 
@@ -94,7 +96,7 @@ impl Compiler<'_> {
         found
             .as_bit()
             .map(Argument::Bit)
-            .ok_or_else(|| format!("{reference} is no BOOL and no bit"))
+            .ok_or_else(|| format!("{reference} is no BOOL and no bit").into())
     }
 
     /// A number, in the type it has.
@@ -110,7 +112,7 @@ impl Compiler<'_> {
     /// A number that is written.
     pub(crate) fn target(&mut self, expression: &Expression) -> Result<Argument, Wrong> {
         let Expression::Reference(reference) = expression else {
-            return Err("expected a tag that can be written".to_owned());
+            return Err("expected a tag that can be written".into());
         };
         let found = self.resolve(reference)?;
         if let Some(bit) = found.as_bit() {
@@ -126,7 +128,7 @@ impl Compiler<'_> {
                 place: found.place(),
                 kind,
             })),
-            DataType::Structure(ref template) => Err(format!("is {}, expected a number", template.name)),
+            DataType::Structure(ref template) => Err(format!("is {}, expected a number", template.name).into()),
         }
     }
 
@@ -178,9 +180,9 @@ impl Compiler<'_> {
     pub(crate) fn written(&mut self, text: &str) -> Result<Argument, Wrong> {
         let expression = parse(text)?;
         let Expression::Reference(reference) = &expression else {
-            return Err(format!("{text}: expected a tag"));
+            return Err(format!("{text}: expected a tag").into());
         };
-        let found = self.resolve(reference).map_err(|reason| format!("{text}: {reason}"))?;
+        let found = self.resolve(reference).map_err(|reason| reason.of(text))?;
         if matches!(found.data_type, DataType::Structure(_)) || found.is_array() {
             return Ok(Argument::Area(found.area()));
         }
@@ -207,9 +209,13 @@ fn word(words: &[&str], text: &str) -> Result<Argument, Wrong> {
     let place = place.or_else(|| clean.parse().ok().filter(|number| *number < words.len()));
     place
         .map(|place| Argument::Word(place as i32))
-        .ok_or_else(|| format!("expected {}", words.join(", ")))
+        .ok_or_else(|| format!("expected {}", words.join(", ")).into())
 }
 
 pub(crate) fn parse(text: &str) -> Result<Expression, Wrong> {
-    Expression::parse(text).map_err(|error| error.to_string())
+    // Studio 5000 writes an operand that is not given yet as a question mark.
+    if text == "?" {
+        return Err(Wrong::absent("the operand is not given".to_owned()));
+    }
+    Expression::parse(text).map_err(|error| error.to_string().into())
 }

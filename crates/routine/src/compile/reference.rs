@@ -65,10 +65,8 @@ impl Found {
                 size: 4,
                 ..self.area()
             }),
-            Some(Select::Mask(_)) => Err("begins no word of 32 BOOLs".to_owned()),
-            _ => Err(
-                "is a BOOL by a subscript that is calculated, expected one that begins a word of 32 BOOLs".to_owned(),
-            ),
+            Some(Select::Mask(_)) => Err("begins no word of 32 BOOLs".into()),
+            _ => Err("is a BOOL by a subscript that is calculated, expected one that begins a word of 32 BOOLs".into()),
         }
     }
 
@@ -108,7 +106,7 @@ impl Compiler<'_> {
                     .programs
                     .iter()
                     .position(|one| one.name.eq_ignore_ascii_case(name));
-                Some(place.ok_or_else(|| format!("there is no program {name}"))?)
+                Some(place.ok_or_else(|| Wrong::absent(format!("there is no program {name}")))?)
             }
         };
         let name = reference.name.to_ascii_lowercase();
@@ -116,7 +114,7 @@ impl Compiler<'_> {
         let found = local.map(|symbol| (symbol, scope));
         let found = found.or_else(|| Some((self.tags.controller.get(&name).cloned()?, None)));
         let Some((symbol, scope)) = found else {
-            return Err(format!("there is no tag {}", reference.name));
+            return Err(Wrong::absent(format!("there is no tag {}", reference.name)));
         };
         match symbol {
             Symbol::Tag(number) => {
@@ -126,7 +124,7 @@ impl Compiler<'_> {
             }
             Symbol::Alias(text) => {
                 if depth > MAX_ALIASES {
-                    return Err(format!("{} is an alias of itself", reference.name));
+                    return Err(format!("{} is an alias of itself", reference.name).into());
                 }
                 let text = text
                     .strip_prefix("Program:")
@@ -148,7 +146,7 @@ impl Compiler<'_> {
             if member.name.eq_ignore_ascii_case(name) {
                 let tag_type = self.types.tag_type(&member.data_type, &member.dimensions);
                 let tag_type = tag_type.or_else(|| motion_type(&member.data_type));
-                let tag_type = tag_type.ok_or_else(|| format!("the type {} is not known", member.data_type))?;
+                let tag_type = tag_type.ok_or_else(|| unknown(&member.data_type))?;
                 let is_bool = member.data_type.eq_ignore_ascii_case("BOOL") && !member.dimensions.is_empty();
                 let bits = is_bool.then(|| member.dimensions.iter().product());
                 let mut found = start(base, 0, &tag_type, bits);
@@ -171,11 +169,11 @@ impl Compiler<'_> {
             return self.walk(found, &reference.steps);
         }
         let Some(DataType::Structure(template)) = self.types.data_type(&definition.name) else {
-            return Err(format!("the type {} is not known", definition.name));
+            return Err(unknown(&definition.name));
         };
         let member = template
             .member(name)
-            .ok_or_else(|| format!("{} has no parameter or local tag {name}", definition.name))?;
+            .ok_or_else(|| Wrong::absent(format!("{} has no parameter or local tag {name}", definition.name)))?;
         let sources = definition
             .parameters
             .iter()
@@ -206,14 +204,14 @@ impl Compiler<'_> {
             match step {
                 Step::Member(name) => {
                     let DataType::Structure(template) = &found.data_type else {
-                        return Err(format!("{} has no member {name}", found.data_type.name()));
+                        return Err(no_member(found.data_type.name(), name));
                     };
                     if found.is_array() || found.bit.is_some() {
-                        return Err(format!("an array has no member {name}"));
+                        return Err(format!("an array has no member {name}").into());
                     }
                     let template = template.clone();
                     let Some(member) = template.member(name) else {
-                        return Err(format!("{} has no member {name}", template.name));
+                        return Err(no_member(&template.name, name));
                     };
                     found.at += member.offset;
                     found.bit = member.bit.map(|bit| Select::Mask(1 << bit));
@@ -255,17 +253,17 @@ impl Compiler<'_> {
             DataType::Elementary(kind) if found.bit.is_none() && !found.is_array() && !kind.is_real() => {
                 Ok(8 * kind.size() as u32)
             }
-            other => Err(format!("{} has no bits", other.name())),
+            other => Err(format!("{} has no bits", other.name()).into()),
         }
     }
 
     fn subscript(&mut self, found: &mut Found, values: &[Expression]) -> Result<(), Wrong> {
         let rank = found.dimensions.iter().take_while(|size| **size > 0).count();
         if rank == 0 {
-            return Err(format!("{} is not an array", found.data_type.name()));
+            return Err(format!("{} is not an array", found.data_type.name()).into());
         }
         if values.len() != rank {
-            return Err(format!("{} subscripts, expected {rank}", values.len()));
+            return Err(format!("{} subscripts, expected {rank}", values.len()).into());
         }
         if let (Some(bits), [value]) = (found.bits, values) {
             found.dimensions = [0; 3];
@@ -326,6 +324,14 @@ impl Compiler<'_> {
         let (value, sort) = self.number(expression, super::expression::Sort::Whole)?;
         Ok(super::expression::cast(value, sort, super::expression::Sort::Whole))
     }
+}
+
+fn unknown(data_type: &str) -> Wrong {
+    Wrong::absent(format!("the type {data_type} is not known"))
+}
+
+fn no_member(data_type: &str, name: &str) -> Wrong {
+    Wrong::absent(format!("{data_type} has no member {name}"))
 }
 
 /// The beginning of a tag.

@@ -5,7 +5,7 @@ use arcline_tag::DataType;
 use super::expression::{Sort, cast};
 use super::{Compiler, Lines, Wrong};
 use crate::code::{Action, Argument, Arm, Cellular, Ex, Loop, Statement, TextPart};
-use crate::error::{FindingKind, Line};
+use crate::error::Line;
 use crate::expression::Expression;
 use crate::st::{self, StatementKind};
 use crate::types::text_layout;
@@ -23,9 +23,9 @@ impl Compiler<'_> {
                     action,
                 }),
                 Ok(None) => {}
-                Err(reason) => {
+                Err(wrong) => {
                     self.set_line(Line::Text(line));
-                    self.find(FindingKind::Error, "statement", &reason);
+                    self.find(wrong.kind(), "statement", &wrong.to_string());
                 }
             }
         }
@@ -45,7 +45,7 @@ impl Compiler<'_> {
                 let written = format!("{target}");
                 let (to, from) = self
                     .assignment(&Expression::Reference(target.clone()), value)
-                    .map_err(|reason| format!("{written} := {value}: {reason}"))?;
+                    .map_err(|reason| reason.of(format_args!("{written} := {value}")))?;
                 Action::Assign(to, from, *is_retentive)
             }
             StatementKind::If(branches, otherwise) => {
@@ -80,7 +80,7 @@ impl Compiler<'_> {
             } => {
                 let target = self.target(&Expression::Reference(variable.clone()))?;
                 let Argument::Target(variable) = target else {
-                    return Err(format!("{variable} cannot count, expected a whole number"));
+                    return Err(format!("{variable} cannot count, expected a whole number").into());
                 };
                 let (from, to) = (self.whole(from)?, self.whole(to)?);
                 let by = by.as_ref().map_or(Ok(Ex::Integer(1)), |by| self.whole(by))?;
@@ -134,14 +134,14 @@ impl Compiler<'_> {
     fn condition(&mut self, condition: &Expression) -> Result<Ex, Wrong> {
         let (value, sort) = self
             .number(condition, Sort::Whole)
-            .map_err(|reason| format!("{condition}: {reason}"))?;
+            .map_err(|reason| reason.of(condition))?;
         Ok(cast(value, sort, Sort::Whole))
     }
 
     /// The tag and the value of an assignment: numbers, bits, texts, and whole structures of one type.
     fn assignment(&mut self, target: &Expression, value: &Expression) -> Result<(Argument, Argument), Wrong> {
         let Expression::Reference(reference) = target else {
-            return Err("expected a tag".to_owned());
+            return Err("expected a tag".into());
         };
         let found = self.resolve(reference)?;
         if let (Some((data, capacity)), false) = (text_layout(&found.data_type), found.is_array()) {

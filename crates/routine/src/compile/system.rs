@@ -21,9 +21,9 @@ impl Compiler<'_> {
     /// The attribute and the tag; `None`: Arcline does not have it.
     pub(crate) fn system(&mut self, op: Op, operands: &[&str]) -> Result<Option<System>, Wrong> {
         let [class, instance, attribute, tag] = operands else {
-            return Err(format!("{} operands, expected 4", operands.len()));
+            return Err(format!("{} operands, expected 4", operands.len()).into());
         };
-        let area = self.area_of(tag).map_err(|reason| format!("{tag}: {reason}"))?;
+        let area = self.area_of(tag).map_err(|reason| reason.of(tag))?;
         let (class, attribute) = (class.to_ascii_lowercase(), attribute.to_ascii_lowercase());
         if attribute == "name" {
             let Some(name) = self.name_of(&class, instance).filter(|_| op == Op::Gsv) else {

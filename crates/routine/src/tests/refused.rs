@@ -205,11 +205,53 @@ fn modules_and_tags_of_other_controllers_are_named_and_block_nothing_but_their_u
     assert_eq!(findings[0].kind, FindingKind::Module);
     of.programs[0].routines = vec![routine("Main", "XIC(Local:1:I.Data.0)ADD(N,1,N);")];
     let findings = load(&of, &mut NoMachine).findings;
-    assert_eq!(findings[1].kind, FindingKind::Error);
+    assert_eq!(findings[1].kind, FindingKind::Absent);
     assert_eq!(
         findings[1].to_string(),
         "Main/Main rung 0: XIC(Local:1:I.Data.0): Data Bit Local:1:I.Data.0: there is no tag Local:1:I"
     );
+}
+
+#[test]
+fn instructions_and_statements_that_name_what_is_not_there_are_passed_over() {
+    let mut of = project(
+        "N DINT, M DINT, A BOOL, B BOOL, C BOOL, T TIMER",
+        &[
+            (
+                "Main",
+                "XIC(Gone.In)OTE(A);\nXIO(Gone.In)OTE(A);\nOTE(Gone.Out)OTE(B);\n[XIC(T.Gone),XIO(A)]OTE(C);\nEQ(Gone,0)ADD(N,100,N);\nJSR(Nowhere,0)ADD(N,1,N);\nJSR(Text,0);\nMAM(Gone,M1,0,1,1)ADD(N,10,N);\nCOP(?,M,1)ADD(N,1000,N);",
+            ),
+            (
+                "Text",
+                "ST\nM := M + 1;\nGone := 5;\nIF Gone = 0 THEN M := M + 100; ELSE M := M + 200; END_IF;\nIF M = 1 THEN M := Gone; M := M + 10; END_IF;",
+            ),
+        ],
+    );
+    of.programs[0].tags.clear();
+    let loaded = load(&of, &mut NoMachine);
+    assert_eq!(
+        told(&loaded.findings),
+        [
+            "Main/Main rung 0: XIC(Gone.In): Data Bit Gone.In: there is no tag Gone",
+            "Main/Main rung 1: XIO(Gone.In): Data Bit Gone.In: there is no tag Gone",
+            "Main/Main rung 2: OTE(Gone.Out): Data Bit Gone.Out: there is no tag Gone",
+            "Main/Main rung 3: XIC(T.Gone): Data Bit T.Gone: TIMER has no member Gone",
+            "Main/Main rung 4: EQ(Gone,0): Gone: there is no tag Gone",
+            "Main/Main rung 5: JSR(Nowhere,0): there is no routine Nowhere",
+            "Main/Main rung 7: MAM(Gone,M1,0,1,1): Axis Gone: there is no tag Gone",
+            "Main/Main rung 8: COP(?,M,1): Source ?: the operand is not given",
+            "Main/Text line 2: statement: Gone := 5: there is no tag Gone",
+            "Main/Text line 3: statement: (Gone=0): there is no tag Gone",
+            "Main/Text line 4: statement: M := Gone: there is no tag Gone",
+        ]
+    );
+    assert!(loaded.findings.iter().all(|one| one.kind == FindingKind::Absent));
+    let mut cell = loaded.cell;
+    cell.start(0, &mut NoMachine).expect("it starts");
+    cell.tick(0, 10_000_000, &mut NoMachine).expect("no fault");
+    for text in ["A=0", "B=1", "C=1", "N=1011", "M=11"] {
+        expect("one scan", &mut cell, &of, text);
+    }
 }
 
 #[test]
