@@ -83,6 +83,20 @@ export async function a_fault_leads_to_its_rung({ browser, url, folder }) {
   await close(page);
 }
 
+/** What the server passes over is counted above the routine, leads to its rung or line, and stands there with its reason. */
+export async function parts_that_do_not_run_are_named_at_their_rungs({ browser, url, folder }) {
+  const page = await open(browser, url, "controller");
+  await rung(page, 3).locator(".warn", { hasText: "Does not run: XIC(Loop.Auto): Data Bit Loop.Auto: there is no tag Loop" }).waitFor();
+  const parts = page.locator(".parts-note");
+  await parts.locator("summary", { hasText: "2 parts do not run as the file has them" }).click();
+  await picture(page, folder, "controller-parts");
+  await parts.getByRole("button", { name: "Main/Logic line 7" }).click();
+  await page.locator(".text-line.marked .warn", { hasText: "Does not run: statement: Peak := 1: there is no tag Peak" }).waitFor();
+  await parts.getByRole("button", { name: "Main/Go rung 3" }).click();
+  await page.locator(".rung.marked", { hasText: "Loop.Auto" }).waitFor();
+  await close(page);
+}
+
 /** The share of a core that rungs may take of the page's main thread where `slowness` is 1. */
 const MOST_SHARE = 0.05;
 

@@ -6,7 +6,7 @@ import { RungPicture, shown } from "./ladder.js";
 import { Rows } from "./rows.js";
 import { TagPanel } from "./tag_panel.js";
 
-/** @import { ControllerStatus, MonitorRow, RoutineList, RoutineRow, Rung, TextLine } from "../types/protocol.js" */
+/** @import { ControllerStatus, MonitorRow, PassedOver, RoutineList, RoutineRow, Rung, TextLine } from "../types/protocol.js" */
 
 /** Rungs of one request, and the most that the page watches. */
 const PAGE = 50;
@@ -16,6 +16,8 @@ const SCROLLED_MS = 60;
 const SCAN_MS = 500;
 const RUNG = 92;
 const LINE = 22;
+/** Height of a line of a comment or a note above a rung. */
+const NOTE = 18;
 /** @type {Record<ControllerStatus["state"], [word: string, kind: string]>} */
 const STATES = { stopped: ["Program mode", "warn"], running: ["Run mode", "good"], faulted: ["Major fault", "bad"] };
 
@@ -55,6 +57,7 @@ export class Controller {
     this.mode = segmented("Mode of the controller", [["run", "Run", "The tasks run"], ["program", "Program", "The tasks and all motion stop"]], undefined, (mode) => this.#mode(mode === "run"));
     this.fault = h("div.problem", { role: "alert", hidden: true });
     this.forces = h("div.force-note", { role: "status", hidden: true });
+    this.parts = h("details.parts-note", { hidden: true });
     this.tree = h("nav.routine-tree", { "aria-label": "Tasks, programs and routines" });
     this.heading = h("h2");
     this.instance = h("select", { "aria-label": "Instance whose values are shown", hidden: true, onchange: () => this.#look() });
@@ -67,7 +70,7 @@ export class Controller {
     this.body = h("div.controller-body", {}, h("div.panel.tree-panel", {}, this.tree),
       h("div.panel.routine-panel", {}, h("div.row", {}, this.heading, h("span.spring"), this.instance), this.rows.element), this.panel.element);
     this.bar = h("div.toolbar", {}, this.state, this.mode.element, this.scan, h("span.spring"), this.file);
-    this.element = h("section.view.controller", { "aria-label": this.title }, this.bar, this.fault, this.forces, this.empty, this.body);
+    this.element = h("section.view.controller", { "aria-label": this.title }, this.bar, this.fault, this.forces, this.parts, this.empty, this.body);
     app.store.on("look", ({ routine, rows }) => this.#looked(routine, rows));
     app.connection.on("open", () => {
       this.#version = 0;
@@ -103,6 +106,7 @@ export class Controller {
     this.body.hidden = this.bar.hidden = status === null;
     this.fault.hidden = !status?.fault;
     this.forces.hidden = !status?.forces.length;
+    this.parts.hidden = status === null || !this.list?.passed_over_count;
     if (!status) return;
     const [word, kind] = STATES[status.state];
     text(this.state, word);
@@ -164,6 +168,7 @@ export class Controller {
       this.#version = this.list.version;
       text(this.file, this.list.file);
       this.#fillTree(this.list);
+      this.#fillParts(this.list);
       const before = this.routine;
       const main = this.list.programs.find(({ name }) => name === this.list?.tasks[0]?.programs[0]);
       const again = before && this.routines.find(({ owner, name }) => owner === before.owner && name === before.name);
@@ -185,7 +190,8 @@ export class Controller {
     ];
     const buttons = (/** @type {string} */ owner, /** @type {RoutineRow[]} */ rows, /** @type {(row: RoutineRow) => string} */ note) => h("ul", {}, rows.map((row) => {
       const routine = this.routines.find((one) => one.routine === row.routine) ?? null;
-      const count = `${row.count} ${row.language === "ladder" ? "rungs" : row.language === "text" ? "lines" : row.language}`;
+      const unit = row.language === "ladder" ? "rung" : row.language === "text" ? "line" : null;
+      const count = unit ? `${row.count} ${unit}${row.count === 1 ? "" : "s"}` : row.language;
       return h("li", {}, h("button.bare.routine", { type: "button", "data-routine": row.routine, "data-name": `${owner}/${row.name}`, onclick: () => this.open(routine) }, row.name, note(row) && [" ", h("small", {}, note(row))], " ", h("small", {}, count)));
     }));
     const program = (/** @type {string} */ name) => {
@@ -199,6 +205,20 @@ export class Controller {
       list.tasks.map((task) => h("details", { open: true }, h("summary", {}, icon("machine"), task.name, h("small", {}, `${task.trigger}, priority ${task.priority}${task.inhibited ? ", inhibited" : ""}`)), h("ul", {}, task.programs.map(program)))),
       others.length > 0 && h("details", { open: true }, h("summary", {}, "Unscheduled"), h("ul", {}, others.map(({ name }) => program(name)))),
       list.add_ons.length > 0 && h("details", {}, h("summary", {}, "Add-on instructions"), h("ul", {}, list.add_ons.map((one) => h("li", {}, h("b", {}, one.name), buttons(one.name, one.routines, () => ""))))));
+  }
+
+  /** Lists the parts that do not run. @param {RoutineList} list */
+  #fillParts({ passed_over: parts, passed_over_count: count }) {
+    const row = (/** @type {PassedOver} */ part) => {
+      const { routine, number } = part;
+      const place = part.place && (routine !== null && number !== null
+        ? h("button.bare", { type: "button", onclick: () => this.#goToNumber(routine, number) }, part.place)
+        : h("b", {}, part.place));
+      return h("li", {}, place, " ", part.text);
+    };
+    fill(this.parts, h("summary", {}, icon("warning"), h("strong", {}, `${count} ${count === 1 ? "part does" : "parts do"} not run as the file has ${count === 1 ? "it" : "them"}`)),
+      h("ul", {}, parts.map(row), count > parts.length && h("li", {}, `and ${count - parts.length} more`)));
+    this.parts.hidden = count === 0;
   }
 
   /** Shows a routine, at a place if one is given. @param {Routine | null} routine @param {number | null} [place] */
@@ -231,12 +251,16 @@ export class Controller {
 
   async #showFault() {
     const fault = this.app.store.status?.controller?.fault;
-    if (!fault || fault.routine === null) return;
+    if (fault && fault.routine !== null) await this.#goToNumber(fault.routine, fault.line);
+  }
+
+  /** Shows a rung or line by the number that the file gives it. @param {number} routine @param {number} number */
+  async #goToNumber(routine, number) {
     // Most files number rungs from 0 without gaps; the number decides where they do not.
-    const near = Math.max(0, fault.line - PAGE / 2);
-    const page = await this.app.connection.request("rungs", { routine: fault.routine, from: near, count: PAGE });
-    const at = (page.rungs.length ? page.rungs : page.lines).findIndex(({ number }) => number === fault.line);
-    this.goTo(fault.routine, at < 0 ? fault.line : near + at);
+    const near = Math.max(0, number - PAGE / 2);
+    const page = await this.app.connection.request("rungs", { routine, from: near, count: PAGE });
+    const at = (page.rungs.length ? page.rungs : page.lines).findIndex((row) => row.number === number);
+    this.goTo(routine, at < 0 ? number : near + at);
   }
 
   /** @param {number | null} place */
@@ -283,19 +307,31 @@ export class Controller {
     const picture = new RungPicture(rung, width, `Rung ${rung.number}`);
     // A comment is as high as its lines.
     const perLine = Math.max(20, Math.floor((width - 60) / 7));
-    const lines = rung.comment ? rung.comment.split("\n").reduce((sum, line) => sum + Math.max(1, Math.ceil(line.length / perLine)), 0) : 0;
-    const above = lines ? lines * 18 + 10 : 0;
-    const comment = rung.comment && h("div.rung-comment", {}, rung.comment);
-    if (comment) comment.style.height = `${above}px`;
-    const element = h("div.rung", {}, comment, h("span.rung-number", {}, String(rung.number)), picture.element);
-    return { element, height: picture.height + above, update: (/** @type {MonitorRow | null} */ row) => picture.update(row) };
+    const linesOf = (/** @type {string} */ words) => words.split("\n").reduce((sum, line) => sum + Math.max(1, Math.ceil(line.length / perLine)), 0);
+    const block = (/** @type {string} */ spec, /** @type {string} */ words) => {
+      const height = words ? linesOf(words) * NOTE + 10 : 0;
+      const drawn = words && h(spec, {}, words);
+      // A rung may be wider than the view.
+      if (drawn) Object.assign(drawn.style, { height: `${height}px`, maxWidth: `${width}px` });
+      return { drawn, height };
+    };
+    const comment = block("div.rung-comment", rung.comment);
+    const note = block("div.rung-comment.warn", this.#notes(rung.number).join("\n"));
+    const element = h("div.rung", {}, comment.drawn, note.drawn, h("span.rung-number", {}, String(rung.number)), picture.element);
+    return { element, height: picture.height + comment.height + note.height, update: (/** @type {MonitorRow | null} */ row) => picture.update(row) };
+  }
+
+  /** The words on the parts of a rung or line that do not run. @param {number} number */
+  #notes(number) {
+    const parts = (this.list?.passed_over ?? []).filter((part) => part.number === number && part.routine === this.routine?.routine);
+    return parts.map(({ text: words }) => `Does not run: ${words}`);
   }
 
   /** @param {TextLine} line */
   #line(line) {
     const values = line.names.map(() => h("b"));
     const element = h("div.text-line", {}, h("span.rung-number", {}, String(line.number)), h("code", {}, line.text),
-      h("span.line-values", {}, line.names.map((name, k) => h("span", { role: "button", tabindex: "0", "data-tag": name }, name, " ", values[k]))));
+      this.#notes(line.number).map((note) => h("span.warn", {}, note)), h("span.line-values", {}, line.names.map((name, k) => h("span", { role: "button", tabindex: "0", "data-tag": name }, name, " ", values[k]))));
     const update = (/** @type {MonitorRow | null} */ row) => values.forEach((value, k) => {
       text(value, shown(row?.values[k]));
     });

@@ -816,6 +816,18 @@ export type OperandForm = {
 /** Kind of an operand. */
 export type OperandKind = "target" | "control" | "reference" | "word" | "number" | "integer" | "array" | "array_or_none" | "written_array" | "structure" | "structure_or_none";
 
+/** A part of the project that does not run. */
+export type PassedOver = {
+  /** Number of its rung or line in the file. */
+  number: number | null;
+  /** Its position, in words; empty: the project as a whole. */
+  place: string;
+  /** Number of its routine. */
+  routine: number | null;
+  /** The part and the reason. */
+  text: string;
+};
+
 /** Programmed paths as points, in position units. */
 export type Paths = {
   /** The path of the active move; empty without one. */
@@ -955,6 +967,10 @@ export type RoutineList = {
   add_ons: AddOnRow[];
   /** Name of its file. */
   file: string;
+  /** Its parts that do not run and are passed over, at most 200. */
+  passed_over: PassedOver[];
+  /** The number of all of them. */
+  passed_over_count: number;
   /** Its programs. */
   programs: ProgramRow[];
   /** Its tasks. */

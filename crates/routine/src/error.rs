@@ -86,6 +86,16 @@ impl Finding {
             place: None,
         }
     }
+
+    /// The part and the reason, without its position.
+    pub fn what(&self) -> String {
+        let Finding { kind, name, reason, .. } = self;
+        match (kind, reason.as_str()) {
+            (kind, "") => format!("{} {name} is not supported", kind.name()),
+            (FindingKind::Absent | FindingKind::Error, reason) => format!("{name}: {reason}"),
+            (kind, reason) => format!("{} {name}: {reason}", kind.name()),
+        }
+    }
 }
 
 /// A rung of ladder or a line of Structured Text, as the file numbers them.
@@ -162,10 +172,6 @@ impl fmt::Display for Finding {
             }
             f.write_str(": ")?;
         }
-        match (self.kind, self.reason.as_str()) {
-            (kind, "") => write!(f, "{} {} is not supported", kind.name(), self.name),
-            (FindingKind::Absent | FindingKind::Error, reason) => write!(f, "{}: {reason}", self.name),
-            (kind, reason) => write!(f, "{} {}: {reason}", kind.name(), self.name),
-        }
+        f.write_str(&self.what())
     }
 }

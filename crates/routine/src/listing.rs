@@ -5,13 +5,14 @@
 
 mod uses;
 
+use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use arcline_instruction_set::{Kind as MotionKind, Mnemonic};
 
 use crate::cell::{Names, program_scopes};
 use crate::compile::{Compiler, Known, Owner};
-use crate::error::Line;
+use crate::error::{Finding, Line};
 use crate::expression::{Expression, Step, TagReference};
 use crate::monitor::Monitor;
 use crate::rll::{Element, Instruction, Rung};
@@ -26,6 +27,7 @@ pub use uses::Use;
 pub struct Listing {
     project: Project,
     known: Mutex<Known>,
+    findings: Vec<Finding>,
     /// In the order of the compiled routines: those of add-on instructions, then those of programs.
     routines: Vec<(Owner, usize)>,
 }
@@ -122,8 +124,10 @@ struct Described<'t> {
 }
 
 impl Listing {
-    /// The listing of a project and its names.
-    pub fn new(project: Project, names: Names) -> Self {
+    /// The listing of a project, its names, and its parts that do not run.
+    pub fn new(project: Project, names: Names, mut findings: Vec<Finding>) -> Self {
+        let mut told = BTreeSet::new();
+        findings.retain(|finding| told.insert(finding.to_string()));
         let add_ons = (0..).zip(&project.instructions);
         let add_ons =
             add_ons.flat_map(|(number, one)| (0..one.routines.len()).map(move |at| (Owner::AddOn(number), at)));
@@ -133,6 +137,7 @@ impl Listing {
         Listing {
             routines: add_ons.chain(programs).collect(),
             known: Mutex::new(names.0),
+            findings,
             project,
         }
     }
@@ -140,6 +145,11 @@ impl Listing {
     /// The project.
     pub fn project(&self) -> &Project {
         &self.project
+    }
+
+    /// The parts of the project that do not run, each once.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// All routines, by their numbers.

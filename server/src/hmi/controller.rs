@@ -2,14 +2,14 @@
 //! while the program runs.
 
 use arcline_routine::source::{Project, Trigger};
-use arcline_routine::{Line, ListedElement, ListedRoutine, Listing, MonitorSample, MonitoredValue};
+use arcline_routine::{Finding, Line, ListedElement, ListedRoutine, Listing, MonitorSample, MonitoredValue};
 use arcline_tag::{FloatsOnly, TagValue, Value as Scalar};
 use serde_json::Value;
 
 use super::protocol::{
-    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, ProgramRow, Push,
-    Refusal, RoutineList, RoutinePage, RoutineRow, Rung, RungElement, RungOperand, TaskRow, TextLine, UseList, UseRow,
-    text_of,
+    AddOnRow, ControllerFault, ControllerState, ControllerStatus, ForceRow, Look, MonitorRow, PassedOver, ProgramRow,
+    Push, Refusal, RoutineList, RoutinePage, RoutineRow, Rung, RungElement, RungOperand, TaskRow, TextLine, UseList,
+    UseRow, text_of,
 };
 use crate::plant::control::ViewerId;
 use crate::plant::{Command, Force, Plant, Principal, Program, ProgramState};
@@ -19,6 +19,8 @@ use crate::watch;
 const PAGE: usize = 100;
 /// Uses of a tag.
 const USES: usize = 500;
+/// Parts that do not run.
+const MOST_PASSED_OVER: usize = 200;
 /// The longest name of a tag, bytes.
 const NAME: usize = 500;
 
@@ -98,7 +100,32 @@ pub(super) fn routines(plant: &Plant) -> Result<RoutineList, Refusal> {
         tasks: tasks(project),
         programs: programs.collect(),
         add_ons: add_ons.collect(),
+        passed_over: listing
+            .findings()
+            .iter()
+            .take(MOST_PASSED_OVER)
+            .map(|finding| passed_over(&listing, finding))
+            .collect(),
+        passed_over_count: listing.findings().len(),
     })
+}
+
+fn passed_over(listing: &Listing, finding: &Finding) -> PassedOver {
+    let owner = finding.program.as_deref();
+    let routine = finding.routine.as_deref();
+    let text = finding.what();
+    let whole = finding.to_string();
+    let place = whole.strip_suffix(&text).unwrap_or_default();
+    PassedOver {
+        place: place.trim_end_matches(": ").to_owned(),
+        routine: owner
+            .zip(routine)
+            .and_then(|(owner, name)| listing.routine(owner, name)),
+        number: finding.place.map(|line| match line {
+            Line::Rung(number) | Line::Text(number) => number,
+        }),
+        text,
+    }
 }
 
 fn tasks(project: &Project) -> Vec<TaskRow> {

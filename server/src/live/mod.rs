@@ -104,6 +104,7 @@ impl Prepared {
         let source = read(file, around)?;
         let bound = bind(machine, image, &source, *unknown_parts);
         let bound = bound.map_err(|error| Failure::usage(format!("{}: {error}", file.display())))?;
+        tell(file, &bound.listing);
         Ok(Prepared { bound, settings })
     }
 
@@ -173,7 +174,8 @@ impl Live {
         }
         let source = read(file, around)?;
         let mut copy = plant.with_image(Image::clone);
-        rebind(plant.machine(), &mut copy, &source, *unknown_parts).map_err(|error| wrong(error.to_string()))?;
+        let bound = rebind(plant.machine(), &mut copy, &source, *unknown_parts);
+        tell(file, &bound.map_err(|error| wrong(error.to_string()))?.listing);
         let (answer, done) = mpsc::sync_channel(1);
         let replacement = Replacement {
             source,
@@ -203,6 +205,18 @@ impl Drop for Live {
     }
 }
 
+/// Logs the parts of a project that do not run.
+fn tell(file: &Path, listing: &Listing) {
+    let file = file.display();
+    let findings = listing.findings();
+    for finding in findings.iter().take(TOLD) {
+        tracing::warn!("{file}: {finding}");
+    }
+    if let more @ 1.. = findings.len().saturating_sub(TOLD) {
+        tracing::warn!("{file}: {more} further parts do not run; arcline-server import --report lists them");
+    }
+}
+
 /// Loads a project on a machine, and makes its tags tags of the machine.
 fn bind(
     machine: &Machine,
@@ -211,12 +225,15 @@ fn bind(
     unknown_parts: UnknownParts,
 ) -> Result<Bound, LoadError> {
     let arcline_cell::Bound {
-        cell, places, names, ..
+        cell,
+        places,
+        findings,
+        names,
     } = arcline_cell::bind(machine, image, source, unknown_parts)?;
     Ok(Bound {
         cell,
         places,
-        listing: Listing::new(source.clone(), names),
+        listing: Listing::new(source.clone(), names, findings),
     })
 }
 
@@ -235,6 +252,8 @@ fn rebind(
     bind(machine, image, source, unknown_parts)
 }
 
+/// Parts that are logged.
+const TOLD: usize = 50;
 /// A moment of a thread that waits for the tick.
 const MOMENT: Duration = Duration::from_micros(100);
 /// Longest wait for the end of a scan.

@@ -160,6 +160,9 @@ fn show(file: &str, findings: &[Finding]) {
     for finding in findings.iter().take(SHOWN) {
         eprintln!("{file}: {finding}");
     }
+    if let more @ 1.. = findings.len().saturating_sub(SHOWN) {
+        eprintln!("{file}: {more} further parts do not run; import --report lists them");
+    }
 }
 
 /// Findings that are printed.

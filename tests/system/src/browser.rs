@@ -137,6 +137,27 @@ pub fn case_of_rungs(name: &str, rungs: usize) {
     on(name, &["--config", file.to_str().expect("UTF-8")]);
 }
 
+/// The same against a server with the program of `tests/config/ladder.L5X`, of which rung 3 and line 7 name tags that are not there.
+///
+/// # Panics
+/// As [`case`].
+pub fn case_with_missing_parts(name: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let text =
+        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
+    let project = replaced(&text("ladder.L5X"), "[MOV(Count,", "[XIC(Loop.Auto)MOV(Count,");
+    let project = replaced(&project, "[  High := 1;", "[  Peak := 1;");
+    std::fs::write(folder.path().join("ladder.L5X"), project).expect("a writable folder");
+    let file = folder.path().join("ladder.toml");
+    let allowed = replaced(
+        &text("ladder.toml"),
+        "[controller]\n",
+        "[controller]\nallow_missing = true\n",
+    );
+    std::fs::write(&file, allowed).expect("a writable folder");
+    on(name, &["--config", file.to_str().expect("UTF-8")]);
+}
+
 /// A project with markup in its comments, descriptions, names, lines and values. Names of tags that are markup are in no rung, but they are in the project.
 fn marked_up(project: &str) -> String {
     let img = |number: u32| format!("<img src=x onerror=alert({number})>");

@@ -34,7 +34,7 @@ fn power_flow_is_that_of_the_last_scan() {
         let loaded = load(&source, &mut NoMachine);
         assert!(loaded.findings.is_empty(), "{why}: {:?}", loaded.findings);
         let mut cell = loaded.cell;
-        let listing = Listing::new(source.clone(), loaded.names);
+        let listing = Listing::new(source.clone(), loaded.names, Vec::new());
         let routine = listing.routine("main", "MAIN").expect("there is one");
         let sub = listing.routine("Main", "Sub").expect("there is one");
         cell.trace([routine, sub]);
@@ -70,7 +70,7 @@ fn values_stand_in_the_order_of_the_operands() {
     let loaded = load(&source, &mut NoMachine);
     assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
     let mut cell = loaded.cell;
-    let listing = Listing::new(source, loaded.names);
+    let listing = Listing::new(source, loaded.names, Vec::new());
     let rows = cell.sample(&listing.monitor(0, 0, 100, None));
     let whole = |value| MonitoredValue::Whole(value);
     let expected = [
@@ -111,7 +111,7 @@ fn lines_of_text_name_their_tags() {
     );
     let loaded = load(&source, &mut NoMachine);
     let mut cell = loaded.cell;
-    let listing = Listing::new(source, loaded.names);
+    let listing = Listing::new(source, loaded.names, Vec::new());
     assert_eq!(listing.routines()[0].language, Language::Text);
     let names: Vec<_> = listing.lines(0, 0, 9).into_iter().map(|line| line.names).collect();
     let expected: [&[&str]; 5] = [&[], &["A"], &["N", "V[(N MOD 4)]"], &["N"], &[]];
@@ -127,7 +127,7 @@ fn lines_of_text_name_their_tags() {
 fn a_listing_names_operands() {
     let source = project("A BOOL, N DINT", &[("Main", "[XIC(A) ,XIO(A) ]ADD(N,1,N);")]);
     let names = load(&source, &mut NoMachine).names;
-    let rungs = Listing::new(source, names).rungs(0, 0, 10);
+    let rungs = Listing::new(source, names, Vec::new()).rungs(0, 0, 10);
     let [
         ListedElement::Branch { legs, condition: 3 },
         ListedElement::Instruction {
@@ -164,7 +164,7 @@ fn uses_are_found_through_aliases_scopes_and_wholes() {
     source.tags.push(alias("Lamp", "Word.3"));
     source.programs[0].tags = super::tags("M DINT");
     let names = load(&source, &mut NoMachine).names;
-    let listing = Listing::new(source, names);
+    let listing = Listing::new(source, names, Vec::new());
     let found = |tag: &str, program: Option<&str>| {
         let (name, uses) = listing.uses(tag, program, 100).expect("a tag");
         let uses = uses.iter().map(|one| {

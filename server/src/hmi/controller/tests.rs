@@ -75,7 +75,7 @@ fn cell(rungs: usize) -> (Cell, Arc<Listing>) {
     assert!(loaded.findings.is_empty(), "{:?}", loaded.findings);
     let mut cell = loaded.cell;
     cell.start(0, &mut NoMachine).expect("no fault");
-    (cell, Arc::new(Listing::new(project, loaded.names)))
+    (cell, Arc::new(Listing::new(project, loaded.names, loaded.findings)))
 }
 
 /// A page that watches 100 rungs.

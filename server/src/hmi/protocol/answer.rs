@@ -255,6 +255,24 @@ pub(crate) struct RoutineList {
     pub(crate) programs: Vec<ProgramRow>,
     /// Its add-on instructions.
     pub(crate) add_ons: Vec<AddOnRow>,
+    /// Its parts that do not run and are passed over, at most 200.
+    pub(crate) passed_over: Vec<PassedOver>,
+    /// The number of all of them.
+    pub(crate) passed_over_count: usize,
+}
+
+/// A part of the project that does not run.
+#[derive(Serialize, Debug)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub(crate) struct PassedOver {
+    /// The part and the reason.
+    pub(crate) text: String,
+    /// Its position, in words; empty: the project as a whole.
+    pub(crate) place: String,
+    /// Number of its routine.
+    pub(crate) routine: Option<u32>,
+    /// Number of its rung or line in the file.
+    pub(crate) number: Option<u32>,
 }
 
 /// A task.

@@ -1,6 +1,6 @@
 //! The HMI in a real browser, against a real server. The scripts in `tests/browser` have the expectations.
 
-use arcline_system_tests::browser::{case, case_among_strangers, case_on, case_with_users};
+use arcline_system_tests::browser::{case, case_among_strangers, case_on, case_with_missing_parts, case_with_users};
 
 macro_rules! cases {
     ($($name:ident),* $(,)?) => {
@@ -94,6 +94,11 @@ fn a_users_name_is_text() {
 #[test]
 fn a_program_is_seen() {
     case_on("a_program_is_seen", "ladder.toml");
+}
+
+#[test]
+fn parts_that_do_not_run_are_named_at_their_rungs() {
+    case_with_missing_parts("parts_that_do_not_run_are_named_at_their_rungs");
 }
 
 #[test]
