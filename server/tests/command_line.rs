@@ -536,11 +536,26 @@ fn parts_of_a_project_that_do_not_run_are_named_and_passed_over_on_demand() {
     let until = ["--allow-missing".as_ref(), "--until".as_ref(), "Pos[2] = 7".as_ref()];
     let (code, _, said) = run(&[simulate.as_slice(), &until].concat());
     assert_eq!(code, Some(0), "the rest runs: {said}");
-    // A tag of the module stops it.
-    let used = files.write("Used.L5X", &text.replace("PID(Pos[0]);", "XIC(Local:2:I.Data.0)NOP();"));
-    let (code, _, said) = run(&["simulate".as_ref(), used.as_os_str(), "--allow-missing".as_ref()]);
+    // The use of a tag of the module stops it; passed over on demand, its contact is false.
+    let used = files.write(
+        "Used.L5X",
+        &text.replace("PID(Pos[0]);", "XIC(Local:2:I.Data.0)MOV(5.0,Pos[1]);"),
+    );
+    let simulate = ["simulate".as_ref(), used.as_os_str(), "--max".as_ref(), "0.1".as_ref()];
+    let (code, _, said) = run(&simulate);
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("there is no tag Local:2:I"), "{said}");
+    let until = [
+        "--allow-missing".as_ref(),
+        "--until".as_ref(),
+        "Pos[2] = 7 AND Pos[1] <> 5".as_ref(),
+    ];
+    let (code, _, said) = run(&[simulate.as_slice(), &until].concat());
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        said.contains("Main/Main rung 0: XIC(Local:2:I.Data.0): Data Bit Local:2:I.Data.0: there is no tag Local:2:I"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -48,11 +48,11 @@ impl Compiler<'_> {
         }
     }
 
-    /// An instruction that the scan passes over; one that reads is false.
+    /// An instruction that the scan passes over; one that decides the condition behind it is false.
     fn passed_over(&mut self, name: &str) -> Instruction {
-        let reads = table::row(name).is_some_and(|row| row.form == Form::Input);
+        let decides = table::row(name).is_some_and(|row| row.form == Form::Input || row.op == Op::Ons);
         Instruction {
-            op: if reads { Op::Afi } else { Op::Missing },
+            op: if decides { Op::Afi } else { Op::Missing },
             name: self.text(name),
             arguments: Box::default(),
             is_edge: false,

@@ -219,7 +219,7 @@ fn instructions_and_statements_that_name_what_is_not_there_are_passed_over() {
         &[
             (
                 "Main",
-                "XIC(Gone.In)OTE(A);\nXIO(Gone.In)OTE(A);\nOTE(Gone.Out)OTE(B);\n[XIC(T.Gone),XIO(A)]OTE(C);\nEQ(Gone,0)ADD(N,100,N);\nJSR(Nowhere,0)ADD(N,1,N);\nJSR(Text,0);\nMAM(Gone,M1,0,1,1)ADD(N,10,N);\nCOP(?,M,1)ADD(N,1000,N);",
+                "XIC(Gone.In)OTE(A);\nXIO(Gone.In)OTE(A);\nOTE(Gone.Out)OTE(B);\n[XIC(T.Gone),XIO(A)]OTE(C);\nEQ(Gone,0)ADD(N,100,N);\nJSR(Nowhere,0)ADD(N,1,N);\nJSR(Text,0);\nMAM(Gone,M1,0,1,1)ADD(N,10,N);\nCOP(?,M,1)ADD(N,1000,N);\nONS(Gone.Once)ADD(N,10000,N);",
             ),
             (
                 "Text",
@@ -240,6 +240,7 @@ fn instructions_and_statements_that_name_what_is_not_there_are_passed_over() {
             "Main/Main rung 5: JSR(Nowhere,0): there is no routine Nowhere",
             "Main/Main rung 7: MAM(Gone,M1,0,1,1): Axis Gone: there is no tag Gone",
             "Main/Main rung 8: COP(?,M,1): Source ?: the operand is not given",
+            "Main/Main rung 9: ONS(Gone.Once): Storage Bit Gone.Once: there is no tag Gone",
             "Main/Text line 2: statement: Gone := 5: there is no tag Gone",
             "Main/Text line 3: statement: (Gone=0): there is no tag Gone",
             "Main/Text line 4: statement: M := Gone: there is no tag Gone",
