@@ -121,6 +121,14 @@ pub fn bind(
     })
 }
 
+/// The parts of a project that do not run, for a log: the first ones, and the number of the others.
+pub fn told(findings: &[Finding]) -> impl Iterator<Item = String> {
+    let first = findings.iter().take(TOLD).map(Finding::to_string);
+    let more = findings.len().saturating_sub(TOLD);
+    let rest = format!("{more} further parts do not run; arcline-server import --report lists them");
+    first.chain((more > 0).then_some(rest))
+}
+
 /// The surroundings that a configuration gives a program.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Surroundings {
@@ -159,5 +167,7 @@ impl Surroundings {
     }
 }
 
+/// Findings that a log shows.
+const TOLD: usize = 50;
 /// Further findings that an error shows.
 const SHOWN: usize = 20;

@@ -15,6 +15,6 @@ mod simulated;
 mod tests;
 mod values;
 
-pub use binding::{Bound, DoesNotRun, LoadError, Surroundings, UnknownParts, bind};
+pub use binding::{Bound, DoesNotRun, LoadError, Surroundings, UnknownParts, bind, told};
 pub use names::{Names, NotPlaced, Placed, Places, remove_others};
 pub use simulated::{Condition, End, NotSet, RunLimits, SimulatedCell};

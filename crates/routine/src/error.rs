@@ -87,6 +87,16 @@ impl Finding {
         }
     }
 
+    /// Program, routine and rung or line; empty: the project as a whole.
+    pub fn position(&self) -> String {
+        let Some(program) = &self.program else {
+            return String::new();
+        };
+        let routine = self.routine.as_ref().map(|routine| format!("/{routine}"));
+        let place = self.place.map(|place| format!(" {place}"));
+        format!("{program}{}{}", routine.unwrap_or_default(), place.unwrap_or_default())
+    }
+
     /// The part and the reason, without its position.
     pub fn what(&self) -> String {
         let Finding { kind, name, reason, .. } = self;
@@ -162,15 +172,8 @@ impl fmt::Display for Line {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(program) = &self.program {
-            write!(f, "{program}")?;
-            if let Some(routine) = &self.routine {
-                write!(f, "/{routine}")?;
-            }
-            if let Some(place) = &self.place {
-                write!(f, " {place}")?;
-            }
-            f.write_str(": ")?;
+        if self.program.is_some() {
+            write!(f, "{}: ", self.position())?;
         }
         f.write_str(&self.what())
     }

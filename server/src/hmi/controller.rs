@@ -113,18 +113,15 @@ pub(super) fn routines(plant: &Plant) -> Result<RoutineList, Refusal> {
 fn passed_over(listing: &Listing, finding: &Finding) -> PassedOver {
     let owner = finding.program.as_deref();
     let routine = finding.routine.as_deref();
-    let text = finding.what();
-    let whole = finding.to_string();
-    let place = whole.strip_suffix(&text).unwrap_or_default();
     PassedOver {
-        place: place.trim_end_matches(": ").to_owned(),
+        text: finding.what(),
+        place: finding.position(),
         routine: owner
             .zip(routine)
             .and_then(|(owner, name)| listing.routine(owner, name)),
         number: finding.place.map(|line| match line {
             Line::Rung(number) | Line::Text(number) => number,
         }),
-        text,
     }
 }
 

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use arcline_cell::{LoadError, Places, Surroundings, UnknownParts, remove_others};
+use arcline_cell::{LoadError, Places, Surroundings, UnknownParts, remove_others, told};
 use arcline_config::Project as Configuration;
 use arcline_controller::image::Image;
 use arcline_controller::machine::Machine;
@@ -208,12 +208,8 @@ impl Drop for Live {
 /// Logs the parts of a project that do not run.
 fn tell(file: &Path, listing: &Listing) {
     let file = file.display();
-    let findings = listing.findings();
-    for finding in findings.iter().take(TOLD) {
-        tracing::warn!("{file}: {finding}");
-    }
-    if let more @ 1.. = findings.len().saturating_sub(TOLD) {
-        tracing::warn!("{file}: {more} further parts do not run; arcline-server import --report lists them");
+    for line in told(listing.findings()) {
+        tracing::warn!("{file}: {line}");
     }
 }
 
@@ -252,8 +248,6 @@ fn rebind(
     bind(machine, image, source, unknown_parts)
 }
 
-/// Parts that are logged.
-const TOLD: usize = 50;
 /// A moment of a thread that waits for the tick.
 const MOMENT: Duration = Duration::from_micros(100);
 /// Longest wait for the end of a scan.

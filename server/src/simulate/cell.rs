@@ -4,7 +4,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use arcline_cases::Outcome;
-use arcline_cell::{End, LoadError, Names, RunLimits, SimulatedCell, UnknownParts};
+use arcline_cell::{End, LoadError, Names, RunLimits, SimulatedCell, UnknownParts, told};
 use arcline_routine::Finding;
 
 use super::SimulateArgs;
@@ -157,13 +157,7 @@ fn not_loaded(file: &str, error: &LoadError) -> Failure {
 }
 
 fn show(file: &str, findings: &[Finding]) {
-    for finding in findings.iter().take(SHOWN) {
-        eprintln!("{file}: {finding}");
-    }
-    if let more @ 1.. = findings.len().saturating_sub(SHOWN) {
-        eprintln!("{file}: {more} further parts do not run; import --report lists them");
+    for line in told(findings) {
+        eprintln!("{file}: {line}");
     }
 }
-
-/// Findings that are printed.
-const SHOWN: usize = 50;

@@ -80,13 +80,11 @@ pub fn case_with_users(name: &str, over_https: bool) {
 /// As [`case`].
 pub fn case_among_strangers(name: &str) {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let text =
-        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
     let project = "<img src=x onerror=alert(10)>.L5X";
-    std::fs::write(folder.path().join(project), marked_up(&text("ladder.L5X"))).expect("a writable folder");
+    std::fs::write(folder.path().join(project), marked_up(&config("ladder.L5X"))).expect("a writable folder");
     let file = folder.path().join("ladder.toml");
     // The client says nothing while the browser looks.
-    let patient = replaced(&text("ladder.toml"), "[server]\n", "[server]\njog_silence_ms = 0\n");
+    let patient = replaced(&config("ladder.toml"), "[server]\n", "[server]\njog_silence_ms = 0\n");
     let marked = replaced(&patient, "\"ladder.L5X\"", &format!("{project:?}"));
     std::fs::write(&file, marked).expect("a writable folder");
     let arguments = ["--config", file.to_str().expect("UTF-8")];
@@ -107,9 +105,6 @@ pub fn case_among_strangers(name: &str) {
 /// # Panics
 /// As [`case`].
 pub fn case_of_rungs(name: &str, rungs: usize) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let text =
-        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
     let rows = (0..rungs).map(|number| {
         let rung = match number % 2 {
             0 => format!(
@@ -120,7 +115,7 @@ pub fn case_of_rungs(name: &str, rungs: usize) {
         format!("<Rung Number=\"{number}\" Type=\"N\"><Text><![CDATA[{rung}]]></Text></Rung>")
     });
     let rows: String = rows.collect();
-    let project = text("ladder.L5X");
+    let project = config("ladder.L5X");
     let place = "<Routine Name=\"Go\" Type=\"RLL\"><RLLContent>";
     let (before, rest) = project.split_once(place).expect("the routine of the fixture");
     let (_, after) = rest.split_once("</RLLContent>").expect("its end");
@@ -131,10 +126,7 @@ pub fn case_of_rungs(name: &str, rungs: usize) {
     let project = replaced(&project, "<Tag Name=\"Stop\"", &tag("B", "BOOL"));
     let project = replaced(&project, "<Tag Name=\"Stop\"", &tag("D", "DINT"));
     let project = replaced(&project, "Rate=\"10\"", "Rate=\"2\"");
-    std::fs::write(folder.path().join("ladder.L5X"), project).expect("a writable folder");
-    let file = folder.path().join("ladder.toml");
-    std::fs::write(&file, text("ladder.toml")).expect("a writable folder");
-    on(name, &["--config", file.to_str().expect("UTF-8")]);
+    on_project(name, &project, &config("ladder.toml"));
 }
 
 /// The same against a server with the program of `tests/config/ladder.L5X`, of which rung 3 and line 7 name tags that are not there.
@@ -142,19 +134,27 @@ pub fn case_of_rungs(name: &str, rungs: usize) {
 /// # Panics
 /// As [`case`].
 pub fn case_with_missing_parts(name: &str) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let text =
-        |file: &str| std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project");
-    let project = replaced(&text("ladder.L5X"), "[MOV(Count,", "[XIC(Loop.Auto)MOV(Count,");
+    let project = replaced(&config("ladder.L5X"), "[MOV(Count,", "[XIC(Loop.Auto)MOV(Count,");
     let project = replaced(&project, "[  High := 1;", "[  Peak := 1;");
-    std::fs::write(folder.path().join("ladder.L5X"), project).expect("a writable folder");
-    let file = folder.path().join("ladder.toml");
     let allowed = replaced(
-        &text("ladder.toml"),
+        &config("ladder.toml"),
         "[controller]\n",
         "[controller]\nallow_missing = true\n",
     );
-    std::fs::write(&file, allowed).expect("a writable folder");
+    on_project(name, &project, &allowed);
+}
+
+/// A file of `tests/config`.
+fn config(file: &str) -> String {
+    std::fs::read_to_string(crate::fixture(&format!("config/{file}"))).expect("a file of the project")
+}
+
+/// Runs a case against a server with a configuration whose program is `ladder.L5X`, and with that project.
+fn on_project(name: &str, project: &str, configuration: &str) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("ladder.L5X"), project).expect("a writable folder");
+    let file = folder.path().join("ladder.toml");
+    std::fs::write(&file, configuration).expect("a writable folder");
     on(name, &["--config", file.to_str().expect("UTF-8")]);
 }
 
